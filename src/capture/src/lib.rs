@@ -1,0 +1,1 @@
+//! What lies on disk, and the pipeline that turns a capture set into a mesh, stage by stage.
