@@ -6,10 +6,12 @@
 
 pub mod mask;
 pub mod mesh;
+pub mod photo;
 pub mod plane;
 pub mod watch;
 
 pub use mask::Mask;
 pub use mesh::Mesh;
+pub use photo::Photo;
 pub use plane::Plane;
 pub use watch::{Unwatched, Watch};
