@@ -6,8 +6,10 @@
 
 pub mod mask;
 pub mod mesh;
+pub mod noise;
 pub mod photo;
 pub mod plane;
+pub mod separate;
 pub mod watch;
 
 pub use mask::Mask;
