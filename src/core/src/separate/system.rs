@@ -61,7 +61,7 @@ impl BounceSystem {
 fn pseudo_inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let svd = matrix.svd(true, true);
     let smallest = svd.singular_values.min();
-    if !(smallest > 1e-13 * svd.singular_values.max()) {
+    if smallest.is_nan() || smallest <= 1e-13 * svd.singular_values.max() {
         return None;
     }
     svd.pseudo_inverse(0.0).ok()
