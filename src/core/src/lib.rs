@@ -4,11 +4,13 @@
 //! struct. Frame: x right, y up, z from the object toward the camera; a light direction points from the object to
 //! the light; lengths in mm. Pixels: x right, y down, the centre of the top left pixel is (0.5, 0.5).
 
+mod block;
 pub mod camera;
 pub mod mask;
 pub mod mesh;
 pub mod noise;
 pub mod normal_map;
+pub mod normals;
 pub mod photo;
 pub mod plane;
 pub mod separate;

@@ -51,6 +51,17 @@ impl NormalMap {
         &self.z
     }
 
+    /// The components x, y and z, to be written in place.
+    pub(crate) fn planes_mut(&mut self) -> [&mut Plane; 3] {
+        [&mut self.x, &mut self.y, &mut self.z]
+    }
+
+    /// A map without any normal.
+    pub fn empty(width: usize, height: usize) -> Self {
+        let zero = Plane::filled(width, height, 0.0);
+        Self { x: zero.clone(), y: zero.clone(), z: zero }
+    }
+
     /// The components x, y and z, without the map.
     pub fn into_planes(self) -> [Plane; 3] {
         [self.x, self.y, self.z]

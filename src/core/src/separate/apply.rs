@@ -7,12 +7,8 @@ use rayon::prelude::*;
 
 use super::{BounceSystem, LightPhotos, OUTSIDE, Separation, UNSOLVED};
 use crate::Watch;
+use crate::block::{BLOCK, JOB, combine, sum_of};
 use crate::photo::CLIPPED;
-
-/// Pixels of one job of a core.
-const JOB: usize = 1 << 15;
-/// Pixels that stay in the first-level cache while all colours and bounces of them are worked on.
-const BLOCK: usize = 512;
 
 /// Sums over the pixels of a light.
 #[derive(Clone, Debug, Default)]
@@ -187,29 +183,6 @@ fn good_block(
     }
     target.marks[block.clone()].fill(0);
     tally.solved += block.len();
-}
-
-/// `out = constant + sum_c weight_c photo_c`.
-fn combine(out: &mut [f32], constant: f32, weights: &[f32], photos: &[&[f32]]) {
-    if let ([w0, w1], [n0, n1]) = (weights, photos) {
-        // Two colours are the common case: one pass instead of two.
-        out.iter_mut().zip(n0.iter().zip(*n1)).for_each(|(out, (n0, n1))| *out = constant + w0 * n0 + w1 * n1);
-        return;
-    }
-    out.fill(constant);
-    for (weight, photo) in weights.iter().zip(photos) {
-        out.iter_mut().zip(*photo).for_each(|(out, light)| *out += weight * light);
-    }
-}
-
-/// A sum in eight lanes, so that the compiler may add them side by side.
-fn sum_of(values: &[f32]) -> f32 {
-    let (eights, rest) = values.as_chunks::<8>();
-    let lanes = eights.iter().fold([0.0; 8], |mut lanes, eight| {
-        lanes.iter_mut().zip(eight).for_each(|(lane, value)| *lane += value);
-        lanes
-    });
-    lanes.iter().sum::<f32>() + rest.iter().sum::<f32>()
 }
 
 /// A pixel that may be outside the mask or have bad colours: it is fitted from its good colours if they are enough.
