@@ -6,6 +6,7 @@
 
 mod block;
 pub mod camera;
+pub mod evaluate;
 pub mod mask;
 pub mod mesh;
 pub mod noise;
