@@ -1,1 +1,7 @@
 //! What lies on disk, and the pipeline that turns a capture set into a mesh, stage by stage.
+
+pub mod atomic;
+pub mod set;
+
+pub use atomic::{OutputFolder, WriteError};
+pub use set::CaptureSet;

@@ -1,0 +1,210 @@
+//! What the parts of a set must be to each other.
+
+use std::collections::{HashMap, HashSet};
+
+use super::model::*;
+use super::problem::{Location, Problem};
+use super::rule::did_you_mean;
+use super::word::Word;
+
+/// Albedo ratios closer than this cannot be told apart: the gain of the separation passes 70.
+pub const CLOSEST_BETA: f64 = 0.02;
+
+/// Room for the rounding of typed decimals: 0.52 and 0.5 are 0.02 apart.
+const ROUNDING: f64 = 1e-9;
+
+impl CaptureSet {
+    /// The problems between parts of the set.
+    pub(super) fn check_consistency(&self) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        self.check_presence(&mut problems);
+        let colours = self.colours.iter().map(|colour| colour.name.as_str());
+        let lights = self.lights.iter().map(|light| light.name.as_str());
+        check_distinct(colours, Location::Colour, &mut problems);
+        check_distinct(lights, Location::Light, &mut problems);
+        self.check_shots(&mut problems);
+        self.check_missing_shots(&mut problems);
+        self.check_spheres(&mut problems);
+        self.check_calibration(&mut problems);
+        self.check_bounces(&mut problems);
+        if self.lights.len() > 1 && !self.truth.bounce.contains("{light}") {
+            let message = format!("expected a file path with {{light}} for the light, found {:?}", self.truth.bounce);
+            problems.push(Problem::of_key(Location::Truth, "bounce", message));
+        }
+        problems
+    }
+
+    fn check_presence(&self, problems: &mut Vec<Problem>) {
+        let mut need = |there: bool, message: &str| {
+            if !there {
+                problems.push(Problem::of_part(Location::Set, message));
+            }
+        };
+        need(!self.colours.is_empty(), "no [[colour]]; at least one is needed, and the first is the reference colour");
+        need(!self.lights.is_empty(), "no [[light]]; at least one is needed");
+        let any_object = self.shots.iter().any(|shot| shot.subject == Subject::Object);
+        need(any_object, "no [[shot]] with subject = \"object\"; there is nothing to solve");
+    }
+
+    fn check_shots(&self, problems: &mut Vec<Problem>) {
+        let colours: Vec<&str> = self.colours.iter().map(|colour| colour.name.as_str()).collect();
+        let lights: Vec<&str> = self.lights.iter().map(|light| light.name.as_str()).collect();
+        let mut seen = HashMap::new();
+        for (index, shot) in self.shots.iter().enumerate() {
+            let at = Location::Shot(index);
+            problems.extend(unknown_name(at, "light", shot.light.as_deref(), &lights));
+            problems.extend(unknown_name(at, "colour", shot.colour.as_deref(), &colours));
+            if let Some(first) = seen.insert((shot.subject, &shot.light, &shot.colour), index) {
+                let message = format!(
+                    "a second shot of {}, as number {}; list repeats in one shot's files",
+                    described(shot),
+                    first + 1
+                );
+                problems.push(Problem::of_part(at, message));
+            }
+        }
+    }
+
+    /// Under each light a matte subject is seen in every colour, or (a ball) not at all.
+    fn check_missing_shots(&self, problems: &mut Vec<Problem>) {
+        let taken: HashSet<(Subject, &str, &str)> = self
+            .shots
+            .iter()
+            .filter_map(|shot| Some((shot.subject, shot.light.as_deref()?, shot.colour.as_deref()?)))
+            .collect();
+        let lit: HashSet<(Subject, &str)> = taken.iter().map(|(subject, light, _)| (*subject, *light)).collect();
+        for (index, light) in self.lights.iter().enumerate() {
+            let name = light.name.as_str();
+            for subject in [Subject::Object, Subject::GreySphere, Subject::MaterialSphere] {
+                let word = subject.word();
+                if !lit.contains(&(subject, name)) {
+                    if subject == Subject::Object {
+                        let message = format!("{name:?} has no {word} shot");
+                        problems.push(Problem::of_part(Location::Light(index), message));
+                    }
+                    continue;
+                }
+                let missing = self.colours.iter().filter(|colour| !taken.contains(&(subject, name, &colour.name)));
+                problems.extend(missing.map(|colour| {
+                    let message = format!("{name:?} has no {:?} {word} shot", colour.name);
+                    Problem::of_part(Location::Light(index), message)
+                }));
+            }
+        }
+    }
+
+    fn check_spheres(&self, problems: &mut Vec<Problem>) {
+        let mut seen = HashSet::new();
+        for (index, sphere) in self.spheres.iter().enumerate() {
+            if !seen.insert((sphere.subject, sphere.kind)) {
+                let message =
+                    format!("a second circle for the {} ball in shots of {:?}", sphere.kind, sphere.subject.word());
+                problems.push(Problem::of_part(Location::Sphere(index), message));
+            }
+        }
+    }
+
+    fn check_calibration(&self, problems: &mut Vec<Problem>) {
+        let at = Location::Calibration;
+        let calibration = &self.calibration;
+        if let Some(beta) = &calibration.beta {
+            problems.extend(self.check_ratios("beta", beta));
+            problems.extend(self.check_beta_distances(beta));
+        }
+        for (light, alpha) in &calibration.alpha {
+            problems.extend(self.check_ratios(&format!("alpha.{light}"), alpha));
+        }
+        let tables = [
+            ("alpha", calibration.alpha.keys().collect::<Vec<_>>()),
+            ("direction", calibration.direction.keys().collect()),
+            ("intensity", calibration.intensity.keys().collect()),
+        ];
+        let lights: Vec<&str> = self.lights.iter().map(|light| light.name.as_str()).collect();
+        for (table, names) in tables {
+            for name in names {
+                problems.extend(
+                    unknown_name(at, "light", Some(name), &lights)
+                        .map(|problem| Problem { key: Some(format!("{table}.{name}")), ..problem }),
+                );
+            }
+        }
+    }
+
+    /// One ratio per colour, the reference colour's being 1.
+    fn check_ratios(&self, key: &str, ratios: &[f64]) -> Option<Problem> {
+        let colours = self.colours.len();
+        let message = match ratios.first() {
+            _ if ratios.len() != colours => {
+                format!("expected {colours} numbers, one per colour, found {}", ratios.len())
+            }
+            Some(first) if (first - 1.0).abs() > ROUNDING => {
+                format!("expected 1 for the reference colour, which stands first, found {first}")
+            }
+            _ => return None,
+        };
+        Some(Problem::of_key(Location::Calibration, key, message))
+    }
+
+    /// The pairs of colours whose `beta`, typed or measured, lies within [`CLOSEST_BETA`] of each other.
+    pub fn check_beta_distances(&self, beta: &[f64]) -> Vec<Problem> {
+        let named: Vec<(&str, f64)> =
+            self.colours.iter().map(|colour| colour.name.as_str()).zip(beta.iter().copied()).collect();
+        let mut problems = Vec::new();
+        for (index, (one, beta_one)) in named.iter().enumerate() {
+            for (other, beta_other) in named.iter().skip(index + 1) {
+                if (beta_one - beta_other).abs() <= CLOSEST_BETA + ROUNDING {
+                    let message = format!(
+                        "{other:?} ({beta_other}) is within {CLOSEST_BETA} of {one:?} ({beta_one}), so that the two tell \
+                         nothing apart; take lamp colours that the paint reflects more differently"
+                    );
+                    problems.push(Problem::of_key(Location::Calibration, "beta", message));
+                }
+            }
+        }
+        problems
+    }
+
+    fn check_bounces(&self, problems: &mut Vec<Problem>) {
+        let colours = self.colours.len();
+        if let Some(bounces) = self.separation.bounces.filter(|bounces| *bounces > colours) {
+            let message = format!("{bounces} bounces need {bounces} colours; this set has {colours}");
+            problems.push(Problem::of_key(Location::Separation, "bounces", message));
+        }
+    }
+}
+
+/// Names differ even where a file system takes capitals for small letters.
+fn check_distinct<'n>(
+    names: impl Iterator<Item = &'n str>,
+    location: impl Fn(usize) -> Location,
+    problems: &mut Vec<Problem>,
+) {
+    let mut seen = HashMap::new();
+    for (index, name) in names.enumerate() {
+        if let Some(first) = seen.insert(name.to_lowercase(), name) {
+            let message = if first == name {
+                format!("{name:?} is already the name of another")
+            } else {
+                format!("{name:?} differs from {first:?} by capitals alone; output files could not be told apart")
+            };
+            problems.push(Problem::of_key(location(index), "name", message));
+        }
+    }
+}
+
+fn unknown_name(location: Location, what: &str, name: Option<&str>, known: &[&str]) -> Option<Problem> {
+    let name = name.filter(|name| !known.contains(name))?;
+    let message = format!("unknown {what} {name:?}{}", did_you_mean(name, known.iter().copied()));
+    Some(Problem::of_key(location, what, message))
+}
+
+/// `"object", light "left", colour "blue"`
+fn described(shot: &Shot) -> String {
+    let mut words = format!("{:?}", shot.subject.word());
+    for (what, name) in [("light", &shot.light), ("colour", &shot.colour)] {
+        if let Some(name) = name {
+            words += &format!(", {what} {name:?}");
+        }
+    }
+    words
+}

@@ -1,0 +1,24 @@
+//! The capture set file `capture.toml`: what was photographed, how, and what is known of the rig.
+//!
+//! [`CaptureSet`] is plain data. [`CaptureSet::open`] reads it strictly: every problem names its line, its key, what was
+//! found and what was expected. [`Reading`] takes what can be read and keeps the problems, for a window that shows them
+//! where they are. Texts are changed in place: comments and layout survive.
+
+mod check;
+mod consistency;
+mod edit;
+mod fields;
+mod model;
+mod problem;
+mod query;
+mod read;
+mod rule;
+mod word;
+mod write;
+
+pub use consistency::CLOSEST_BETA;
+pub use model::*;
+pub use problem::{Location, Problem, SetError, TextPosition};
+pub use read::{FILE_NAME, Reading};
+pub use word::Word;
+pub use write::{update_text, write_calibration};

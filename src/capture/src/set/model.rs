@@ -1,0 +1,258 @@
+//! What a capture set file says, as plain data with the format's defaults.
+
+use std::path::PathBuf;
+
+use indexmap::IndexMap;
+
+/// One object photographed under several lights in several colours.
+///
+/// Shots name their light and colour, as the file does; [`CaptureSet::check`] tells what does not fit together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CaptureSet {
+    /// The folder that relative paths start from.
+    pub folder: PathBuf,
+    /// What a person calls the set; empty where the file gives no name.
+    pub name: String,
+    /// A picture whose non-zero pixels are the object, as written in the file.
+    pub mask: Option<String>,
+    /// The camera that took every shot.
+    pub camera: Camera,
+    /// The lamp colours; the first is the reference colour.
+    pub colours: Vec<Colour>,
+    /// The lamp positions.
+    pub lights: Vec<Light>,
+    /// The photos.
+    pub shots: Vec<Shot>,
+    /// The circles of the calibration balls that are known.
+    pub spheres: Vec<Sphere>,
+    /// Calibration that is given; what is absent is measured from the balls.
+    pub calibration: Calibration,
+    /// How to separate the bounces.
+    pub separation: Separation,
+    /// Where the truth lies, for evaluation.
+    pub truth: Truth,
+}
+
+/// The camera and what its files store.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Camera {
+    /// How space becomes pixels.
+    pub projection: Projection,
+    /// How light becomes stored values.
+    pub encoding: Encoding,
+    /// The stored value at no light.
+    pub black_level: f64,
+    /// The stored value where it clips; `None`: the file type's maximum.
+    pub white_level: Option<f64>,
+    /// Electrons of a pixel at the white level, where the sensor's photon noise is known. Optional in the file.
+    pub full_well_electrons: Option<f64>,
+    /// Standard deviation of the read noise in electrons, where known. Optional in the file.
+    pub read_noise_electrons: Option<f64>,
+}
+
+/// How space becomes pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Parallel rays.
+    Orthographic {
+        /// Object-space pitch; `None`: the shape is in pixels.
+        mm_per_pixel: Option<f64>,
+    },
+    /// Rays through one point.
+    Perspective {
+        /// Focal length in pixels.
+        focal_length_px: f64,
+        /// Where the optical axis meets the picture, in pixels; `None`: the picture's centre.
+        principal_point: Option<[f64; 2]>,
+        /// From the camera to the object's z = 0.
+        working_distance_mm: f64,
+    },
+}
+
+impl Default for Projection {
+    fn default() -> Self {
+        Self::Orthographic { mm_per_pixel: None }
+    }
+}
+
+/// How light becomes stored values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Encoding {
+    /// Stored values are proportional to light.
+    #[default]
+    Linear,
+    /// The sRGB curve.
+    Srgb,
+    /// Stored = light ^ (1 / gamma).
+    Gamma(f64),
+}
+
+/// One lamp colour and where a file holds it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Colour {
+    /// The colour's name, also used in file names.
+    pub name: String,
+    /// The channel that holds it.
+    pub channel: Channel,
+}
+
+/// A channel of a picture file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Channel {
+    /// Red.
+    R,
+    /// Green.
+    G,
+    /// Blue.
+    B,
+    /// The mean of what the file has.
+    #[default]
+    Grey,
+}
+
+/// One physical lamp position.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Light {
+    /// The light's name, also used in file names.
+    pub name: String,
+    /// From the object to the light, of any length: typed, or measured elsewhere.
+    pub direction: Option<[f64; 3]>,
+    /// A near lamp; the origin is the object's z = 0 on the optical axis.
+    pub position_mm: Option<[f64; 3]>,
+}
+
+/// One photo, or repeats of one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shot {
+    /// What is in the picture.
+    pub subject: Subject,
+    /// The light's name; none for a dark frame.
+    pub light: Option<String>,
+    /// The colour's name; none for a dark frame, optional for a mirror ball and a flat field.
+    pub colour: Option<String>,
+    /// Repeats, averaged in linear light; as written in the file.
+    pub files: Vec<String>,
+    /// Relative; linear values are divided by it.
+    pub exposure: f64,
+    /// Where these files differ from the camera's encoding.
+    pub encoding: Option<Encoding>,
+}
+
+impl Default for Shot {
+    fn default() -> Self {
+        Self {
+            subject: Subject::default(),
+            light: None,
+            colour: None,
+            files: Vec::new(),
+            exposure: DEFAULT_EXPOSURE,
+            encoding: None,
+        }
+    }
+}
+
+/// The exposure of a shot that names none.
+pub const DEFAULT_EXPOSURE: f64 = 1.0;
+
+/// What a shot shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Subject {
+    /// The object whose shape is wanted.
+    #[default]
+    Object,
+    /// A neutral matte ball: gives alpha, intensity and a second direction.
+    GreySphere,
+    /// A ball of the object's own paint: gives beta.
+    MaterialSphere,
+    /// A mirror ball: gives the direction.
+    MirrorSphere,
+    /// The cap on the lens: subtracted.
+    Dark,
+    /// A uniform field: divided by.
+    FlatField,
+}
+
+impl Subject {
+    /// The kind of ball that fills this subject's shots.
+    pub fn sphere_kind(self) -> Option<SphereKind> {
+        match self {
+            Self::GreySphere => Some(SphereKind::Grey),
+            Self::MaterialSphere => Some(SphereKind::Material),
+            Self::MirrorSphere => Some(SphereKind::Mirror),
+            Self::Object | Self::Dark | Self::FlatField => None,
+        }
+    }
+}
+
+/// What a ball is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum SphereKind {
+    /// Neutral and matte.
+    #[default]
+    Grey,
+    /// The object's own paint.
+    Material,
+    /// A mirror.
+    Mirror,
+}
+
+/// The circle of a ball in the pictures of one subject.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sphere {
+    /// Which shots it lies in; `Object` when the ball stands in the scene.
+    pub subject: Subject,
+    /// What the ball is made of.
+    pub kind: SphereKind,
+    /// Its outline.
+    pub circle: Circle,
+}
+
+/// A circle in pixels; the centre of the top left pixel is (0.5, 0.5).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Circle {
+    /// Centre, x right and y down, in pixels.
+    pub centre: [f64; 2],
+    /// Radius in pixels.
+    pub radius: f64,
+}
+
+/// Calibration values by the words of the file. Tables by light hold only the lights whose values are known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Calibration {
+    /// Per colour: albedo over the reference colour's; the first is 1.
+    pub beta: Option<Vec<f64>>,
+    /// By light, per colour: intensity over the reference colour's; the first is 1.
+    pub alpha: IndexMap<String, Vec<f64>>,
+    /// By light: from the object to the light, of any length.
+    pub direction: IndexMap<String, [f64; 3]>,
+    /// By light: strength in the reference colour, relative to the first light.
+    pub intensity: IndexMap<String, f64>,
+}
+
+/// How to separate the bounces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Separation {
+    /// The order m; `None` leaves the choice to [`CaptureSet::bounces`].
+    pub bounces: Option<usize>,
+}
+
+/// Where the truth lies, for evaluation; as written in the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Truth {
+    /// R G B = x y z, zero outside.
+    pub normals: String,
+    /// Depth in mm, z toward the camera, zero outside the mask.
+    pub depth: String,
+    /// Linear light of bounce `{k}` under light `{light}` in the reference colour.
+    pub bounce: String,
+}
+
+impl Default for Truth {
+    fn default() -> Self {
+        Self {
+            normals: "truth/normals.exr".into(),
+            depth: "truth/depth.exr".into(),
+            bounce: "truth/bounce{k}-{light}.exr".into(),
+        }
+    }
+}

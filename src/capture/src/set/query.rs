@@ -1,0 +1,148 @@
+//! What the rest of the program asks of a capture set.
+
+use std::path::PathBuf;
+
+use indexmap::IndexMap;
+
+use super::model::*;
+use super::rule::length;
+
+impl CaptureSet {
+    /// The name, or the folder's where the file gives none.
+    pub fn title(&self) -> String {
+        if !self.name.is_empty() {
+            return self.name.clone();
+        }
+        self.folder.file_name().map_or_else(|| "Untitled".into(), |name| name.to_string_lossy().into_owned())
+    }
+
+    /// Where a path that the file writes lies: relative ones start from the set's folder.
+    pub fn resolve(&self, written: &str) -> PathBuf {
+        self.folder.join(written)
+    }
+
+    /// The index of the light of this name.
+    pub fn light_index(&self, name: &str) -> Option<usize> {
+        self.lights.iter().position(|light| light.name == name)
+    }
+
+    /// The index of the colour of this name; 0 is the reference colour.
+    pub fn colour_index(&self, name: &str) -> Option<usize> {
+        self.colours.iter().position(|colour| colour.name == name)
+    }
+
+    /// The order m: what the file says, or two bounces where there are two colours: each further order costs
+    /// far more noise than the light it accounts for.
+    pub fn bounces(&self) -> usize {
+        self.separation.bounces.unwrap_or(self.colours.len().min(2))
+    }
+
+    /// What the set shows, each subject once, in the order of [`Subject`].
+    pub fn subjects(&self) -> Vec<Subject> {
+        let mut subjects: Vec<Subject> = self.shots.iter().map(|shot| shot.subject).collect();
+        subjects.sort_unstable();
+        subjects.dedup();
+        subjects
+    }
+
+    /// The shot of `subject` under this light in this colour.
+    pub fn shot(&self, subject: Subject, light: Option<&str>, colour: Option<&str>) -> Option<&Shot> {
+        self.shots_of(subject).find(|shot| shot.light.as_deref() == light && shot.colour.as_deref() == colour)
+    }
+
+    /// Every shot of `subject`, in the order of the file.
+    pub fn shots_of(&self, subject: Subject) -> impl Iterator<Item = &Shot> {
+        self.shots.iter().filter(move |shot| shot.subject == subject)
+    }
+
+    /// The encoding of a shot's files: its own or the camera's.
+    pub fn encoding_of(&self, shot: &Shot) -> Encoding {
+        shot.encoding.unwrap_or(self.camera.encoding)
+    }
+
+    /// The channel of a shot's files that holds its colour; the mean of all where it names none.
+    pub fn channel_of(&self, shot: &Shot) -> Channel {
+        let colour = shot.colour.as_deref().and_then(|name| self.colours.get(self.colour_index(name)?));
+        colour.map_or(Channel::Grey, |colour| colour.channel)
+    }
+
+    /// Every file that shots name, once, with the indices of those shots: an RGB photo that is several colour captures
+    /// is read once.
+    pub fn distinct_files(&self) -> IndexMap<&str, Vec<usize>> {
+        let mut files: IndexMap<&str, Vec<usize>> = IndexMap::new();
+        for (index, shot) in self.shots.iter().enumerate() {
+            for file in &shot.files {
+                files.entry(file).or_default().push(index);
+            }
+        }
+        files
+    }
+
+    /// The circles in the pictures of `subject`; for [`Subject::Object`] those of balls that stand in the scene.
+    pub fn spheres_in(&self, subject: Subject) -> impl Iterator<Item = &Sphere> {
+        self.spheres.iter().filter(move |sphere| sphere.subject == subject)
+    }
+
+    /// The circle of a ball of this kind in the pictures of `subject`.
+    pub fn circle(&self, subject: Subject, kind: SphereKind) -> Option<Circle> {
+        self.spheres_in(subject).find(|sphere| sphere.kind == kind).map(|sphere| sphere.circle)
+    }
+
+    /// Puts the circle of a ball, in place of one of the same subject and kind if there is one.
+    pub fn put_sphere(&mut self, sphere: Sphere) {
+        match self.spheres.iter_mut().find(|old| (old.subject, old.kind) == (sphere.subject, sphere.kind)) {
+            Some(old) => *old = sphere,
+            None => self.spheres.push(sphere),
+        }
+    }
+
+    /// The unit direction to a light that the file gives, typed at the light or else under `[calibration]`.
+    pub fn given_direction(&self, light: &str) -> Option<[f64; 3]> {
+        let typed = self.lights.get(self.light_index(light)?)?.direction;
+        let direction = typed.or_else(|| self.calibration.direction.get(light).copied())?;
+        let length = length(&direction);
+        (length > 0.0).then(|| direction.map(|x| x / length))
+    }
+
+    /// Where the true normals lie.
+    pub fn truth_normals(&self) -> PathBuf {
+        self.resolve(&self.truth.normals)
+    }
+
+    /// Where the true depth lies.
+    pub fn truth_depth(&self) -> PathBuf {
+        self.resolve(&self.truth.depth)
+    }
+
+    /// Where the true light of bounce `k`, counted from 1, lies under the light of this name.
+    pub fn truth_bounce(&self, k: usize, light: &str) -> PathBuf {
+        self.resolve(&self.truth.bounce.replace("{k}", &k.to_string()).replace("{light}", light))
+    }
+
+    /// Gives a light another name wherever the set uses it.
+    pub fn rename_light(&mut self, index: usize, name: &str) {
+        let Some(light) = self.lights.get_mut(index) else { return };
+        let old = std::mem::replace(&mut light.name, name.to_owned());
+        for shot in self.shots.iter_mut().filter(|shot| shot.light.as_ref() == Some(&old)) {
+            shot.light = Some(name.to_owned());
+        }
+        rename_key(&mut self.calibration.alpha, &old, name);
+        rename_key(&mut self.calibration.direction, &old, name);
+        rename_key(&mut self.calibration.intensity, &old, name);
+    }
+
+    /// Gives a colour another name wherever the set uses it.
+    pub fn rename_colour(&mut self, index: usize, name: &str) {
+        let Some(colour) = self.colours.get_mut(index) else { return };
+        let old = std::mem::replace(&mut colour.name, name.to_owned());
+        for shot in self.shots.iter_mut().filter(|shot| shot.colour.as_ref() == Some(&old)) {
+            shot.colour = Some(name.to_owned());
+        }
+    }
+}
+
+fn rename_key<T>(table: &mut IndexMap<String, T>, old: &str, new: &str) {
+    if let Some(value) = table.shift_remove(old) {
+        table.insert(new.to_owned(), value);
+    }
+}

@@ -1,0 +1,79 @@
+//! What a value must be: the same words and the same test for the reader and for a set in memory.
+
+/// What a number must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rule {
+    Finite,
+    Positive,
+    NotNegative,
+}
+
+impl Rule {
+    pub(super) fn holds(self, number: f64) -> bool {
+        number.is_finite()
+            && match self {
+                Self::Finite => true,
+                Self::Positive => number > 0.0,
+                Self::NotNegative => number >= 0.0,
+            }
+    }
+
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Finite => "a number",
+            Self::Positive => "a positive number",
+            Self::NotNegative => "a number that is not negative",
+        }
+    }
+}
+
+/// What a direction or a position must be.
+pub(super) const VECTOR: &str = "three numbers [x, y, z], not all zero";
+
+/// Whether `vector` points anywhere.
+pub(super) fn is_vector(vector: &[f64; 3]) -> bool {
+    let length = length(vector);
+    length.is_finite() && length > 0.0
+}
+
+pub(super) fn length(vector: &[f64; 3]) -> f64 {
+    vector.iter().fold(0.0, |length: f64, x| length.hypot(*x))
+}
+
+/// What a point in a picture must be.
+pub(super) const POINT: &str = "two numbers [x, y]";
+
+/// Characters that some system refuses in a file name.
+const NOT_IN_FILE_NAMES: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
+
+/// Why `name` cannot stand in the name of an output file.
+pub(super) fn unusable_name(name: &str) -> Option<String> {
+    if name.is_empty() {
+        return Some("expected a name, found \"\"".into());
+    }
+    if name.trim() != name {
+        return Some(format!("{name:?} begins or ends with a space; leave it out"));
+    }
+    let culprit = name.chars().find(|c| c.is_control() || NOT_IN_FILE_NAMES.contains(c))?;
+    Some(format!("{name:?} names output files too, and they cannot hold {culprit:?}; choose another name"))
+}
+
+/// The known word that a misspelt one was probably meant to be, as the end of a sentence.
+pub(super) fn did_you_mean<'w>(found: &str, known: impl IntoIterator<Item = &'w str>) -> String {
+    known
+        .into_iter()
+        .map(|word| (strsim::damerau_levenshtein(found, word), word))
+        .filter(|(distance, word)| *distance <= (word.chars().count() / 3).max(1))
+        .min()
+        .map_or(String::new(), |(_, word)| format!("; did you mean {word:?}?"))
+}
+
+/// `"a", "b" or "c"`
+pub(super) fn one_of<'w>(words: impl IntoIterator<Item = &'w str>) -> String {
+    let mut quoted: Vec<String> = words.into_iter().map(|word| format!("{word:?}")).collect();
+    match quoted.pop() {
+        Some(last) if !quoted.is_empty() => format!("{} or {last}", quoted.join(", ")),
+        Some(only) => only,
+        None => "nothing".into(),
+    }
+}
