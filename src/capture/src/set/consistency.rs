@@ -23,7 +23,10 @@ impl CaptureSet {
         check_distinct(colours, Location::Colour, &mut problems);
         check_distinct(lights, Location::Light, &mut problems);
         self.check_shots(&mut problems);
-        self.check_missing_shots(&mut problems);
+        // A misspelt name is one problem, not also a missing shot.
+        if problems.is_empty() {
+            self.check_missing_shots(&mut problems);
+        }
         self.check_spheres(&mut problems);
         self.check_calibration(&mut problems);
         self.check_bounces(&mut problems);

@@ -7,7 +7,7 @@ use toml_edit::{Item, TableLike, Value};
 
 use super::model::Encoding;
 use super::problem::{Location, Problem, TextPosition};
-use super::rule::did_you_mean;
+use super::rule::{did_you_mean, nearest};
 use super::word::Word;
 
 /// The text being read: what is wrong with it so far, and where its keys stand.
@@ -66,11 +66,12 @@ pub(super) struct Fields<'r, 't> {
     table: &'r dyn TableLike,
     location: Location,
     known: Vec<&'static str>,
+    missing: Vec<(&'static str, String)>,
 }
 
 impl<'r, 't> Fields<'r, 't> {
     pub(super) fn new(reader: &'r mut Reader<'t>, table: &'r dyn TableLike, location: Location) -> Self {
-        Self { reader, table, location, known: Vec::new() }
+        Self { reader, table, location, known: Vec::new(), missing: Vec::new() }
     }
 
     /// The item at `key` as it stands.
@@ -106,7 +107,7 @@ impl<'r, 't> Fields<'r, 't> {
         convert: impl Fn(&Item) -> Option<T>,
     ) -> Option<T> {
         if self.item(key).is_none() {
-            self.problem(key, format!("missing; expected {expected}"));
+            self.missing.push((key, format!("missing; expected {expected}")));
         }
         self.get(key, expected, convert)
     }
@@ -153,14 +154,18 @@ impl<'r, 't> Fields<'r, 't> {
         self.reader.report(Problem::of_key(self.location, key, message));
     }
 
-    /// Reports every key that was not asked for.
-    pub(super) fn finish(self) {
+    /// Reports every key that was not asked for, and every required one that is neither there nor misspelt.
+    pub(super) fn finish(mut self) {
         for (key, item) in self.table.iter().filter(|(key, _)| !self.known.contains(key)) {
+            let meant = nearest(key, self.known.iter().copied());
+            self.missing.retain(|(missing, _)| meant != Some(missing));
+            let message = format!("unknown key {key:?}{}", did_you_mean(key, self.known.iter().copied()));
             let span = self.key_span(key).or_else(|| item.span());
-            let mut message = format!("unknown key {key:?}");
-            message += &did_you_mean(key, self.known.iter().copied());
             let position = span.map(|span| self.reader.position(span.start));
             self.reader.report(Problem { position, ..Problem::of_part(self.location, message) });
+        }
+        for (key, message) in std::mem::take(&mut self.missing) {
+            self.problem(key, message);
         }
     }
 }

@@ -16,6 +16,9 @@ mod rule;
 mod word;
 mod write;
 
+#[cfg(test)]
+mod tests;
+
 pub use consistency::CLOSEST_BETA;
 pub use model::*;
 pub use problem::{Location, Problem, SetError, TextPosition};

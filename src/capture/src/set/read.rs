@@ -117,10 +117,14 @@ impl Reading {
 }
 
 fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> CaptureSet {
+    reader.remember(Location::Set, None, Some(0..0));
     let mut fields = Fields::new(reader, root, Location::Set);
-    let expected = format!("schema = {SCHEMA}");
-    if fields.require("schema", &expected, count).is_some_and(|schema| schema != SCHEMA) {
-        fields.problem("schema", format!("expected {SCHEMA}; this file is of another version of the format"));
+    let schema = fields.require("schema", &format!("schema = {SCHEMA}"), count).unwrap_or(SCHEMA);
+    if schema != SCHEMA {
+        fields.problem(
+            "schema",
+            format!("expected {SCHEMA}, found {schema}; another version of the program wrote this file"),
+        );
     }
     let name = fields.get("name", "a text", text).unwrap_or_default();
     let mask = fields.get("mask", "a file path", text);
@@ -202,7 +206,14 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
     let expected = one_of([ORTHOGRAPHIC, PERSPECTIVE]);
     let known =
         |item: &Item| item.as_str().filter(|word| [ORTHOGRAPHIC, PERSPECTIVE].contains(word)).map(str::to_owned);
-    let perspective = fields.get("projection", &expected, known).is_some_and(|word| word == PERSPECTIVE);
+    let perspective = match fields.item("projection") {
+        None => false,
+        // Of a misspelt projection the keys tell which one was meant.
+        Some(_) => match fields.get("projection", &expected, known) {
+            Some(word) => word == PERSPECTIVE,
+            None => fields.item("focal_length_px").is_some(),
+        },
+    };
     Camera {
         projection: if perspective { read_perspective(fields) } else { read_orthographic(fields) },
         encoding: fields.get("encoding", ENCODING, encoding).unwrap_or_default(),
@@ -264,11 +275,12 @@ fn read_shot(fields: &mut Fields<'_, '_>) -> Shot {
 }
 
 fn read_sphere(fields: &mut Fields<'_, '_>) -> Sphere {
-    let subject = fields.require("subject", &words::<Subject>(), word).unwrap_or_default();
+    let subject = fields.require("subject", &words::<Subject>(), word);
     let kind = match subject {
-        Subject::Object => fields.require("kind", &words::<SphereKind>(), word),
-        _ => fields.get("kind", &words::<SphereKind>(), word).or(subject.sphere_kind()),
+        Some(Subject::Object) => fields.require("kind", &words::<SphereKind>(), word),
+        _ => fields.get("kind", &words::<SphereKind>(), word).or(subject.and_then(Subject::sphere_kind)),
     };
+    let subject = subject.unwrap_or_default();
     let centre = fields.require("centre", POINT, tuple).unwrap_or_default();
     let radius = fields.require("radius", Rule::Positive.words(), number).unwrap_or_default();
     Sphere { subject, kind: kind.unwrap_or_default(), circle: Circle { centre, radius } }

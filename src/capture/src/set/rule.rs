@@ -58,14 +58,19 @@ pub(super) fn unusable_name(name: &str) -> Option<String> {
     Some(format!("{name:?} names output files too, and they cannot hold {culprit:?}; choose another name"))
 }
 
-/// The known word that a misspelt one was probably meant to be, as the end of a sentence.
-pub(super) fn did_you_mean<'w>(found: &str, known: impl IntoIterator<Item = &'w str>) -> String {
+/// The known word that a misspelt one was probably meant to be.
+pub(super) fn nearest<'w>(found: &str, known: impl IntoIterator<Item = &'w str>) -> Option<&'w str> {
     known
         .into_iter()
         .map(|word| (strsim::damerau_levenshtein(found, word), word))
         .filter(|(distance, word)| *distance <= (word.chars().count() / 3).max(1))
         .min()
-        .map_or(String::new(), |(_, word)| format!("; did you mean {word:?}?"))
+        .map(|(_, word)| word)
+}
+
+/// The same as the end of a sentence.
+pub(super) fn did_you_mean<'w>(found: &str, known: impl IntoIterator<Item = &'w str>) -> String {
+    nearest(found, known).map_or(String::new(), |word| format!("; did you mean {word:?}?"))
 }
 
 /// `"a", "b" or "c"`
