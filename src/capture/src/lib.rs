@@ -1,1 +1,4 @@
 //! What lies on disk, and the pipeline that turns a capture set into a mesh, stage by stage.
+
+pub mod image_file;
+pub mod mesh_file;
