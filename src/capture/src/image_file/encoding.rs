@@ -1,0 +1,57 @@
+//! How stored values follow from light.
+
+/// The curve between light and what a file stores, both scaled to 0..1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Encoding {
+    /// Stored values are proportional to light.
+    #[default]
+    Linear,
+    /// IEC 61966-2-1.
+    Srgb,
+    /// stored = light^(1 / gamma).
+    Gamma(f32),
+}
+
+impl Encoding {
+    /// Light from a stored value. Below 0 the linear toe of sRGB goes on, and a gamma curve is mirrored, so that noise
+    /// around black keeps its mean.
+    pub fn decode(self, stored: f32) -> f32 {
+        match self {
+            Self::Linear => stored,
+            Self::Srgb if stored <= 0.04045 => stored / 12.92,
+            Self::Srgb => ((stored + 0.055) / 1.055).powf(2.4),
+            Self::Gamma(gamma) => stored.abs().powf(gamma).copysign(stored),
+        }
+    }
+
+    /// The stored value of light, the inverse of [`Self::decode`].
+    pub fn encode(self, light: f32) -> f32 {
+        match self {
+            Self::Linear => light,
+            Self::Srgb if light <= 0.003_130_8 => light * 12.92,
+            Self::Srgb => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+            Self::Gamma(gamma) => light.abs().powf(1.0 / gamma).copysign(light),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn srgb_meets_the_standard_at_its_known_points() {
+        for (stored, light) in [(0.0, 0.0), (0.5, 0.214_041), (1.0, 1.0), (128.0 / 255.0, 0.215_861)] {
+            assert!((Encoding::Srgb.decode(stored) - light).abs() < 1e-5, "{stored}");
+        }
+    }
+
+    #[test]
+    fn encoding_undoes_decoding() {
+        for encoding in [Encoding::Linear, Encoding::Srgb, Encoding::Gamma(2.2)] {
+            for stored in [-0.01, 0.0, 0.02, 0.2, 0.7, 1.0] {
+                assert!((encoding.encode(encoding.decode(stored)) - stored).abs() < 1e-5, "{encoding:?} {stored}");
+            }
+        }
+    }
+}

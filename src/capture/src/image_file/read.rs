@@ -1,0 +1,210 @@
+//! Reading a picture: what it is, whether it can be true, and which decoder takes it.
+
+use std::fmt::Display;
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use firstbounce_core::{Mask, Plane};
+use rayon::prelude::*;
+
+use super::{Channel, Format, ImageError, ImageFile, ImageWarning, StoredRange, exr_in, pfm, raster, tiff_in};
+
+/// The most pixels of a picture: twice the largest camera sensor of today.
+const PIXEL_LIMIT: usize = 300_000_000;
+/// The most bytes that a decoder may take for one picture, and that a file may be long.
+pub(super) const BYTE_LIMIT: usize = 16 * PIXEL_LIMIT;
+/// The best that a decoder's compression does: deflate (1032 : 1) on pixels of one bit.
+const PIXELS_PER_BYTE: usize = 8 * 1032;
+/// A claim of as many pixels needs no proof.
+const HARMLESS_PIXELS: usize = 4_000_000;
+
+/// What the values mean, and so which of them cannot be true.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Content {
+    /// Light: NaN, infinite and negative values are refused, 8 bits are worth a warning.
+    #[default]
+    Photo,
+    /// Numbers such as normals or depths: NaN and infinite values are refused.
+    Data,
+}
+
+/// How to read a picture.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// What the values mean.
+    pub content: Content,
+    /// The layer of a layered EXR; `None` for a file with one. Other formats have no layers and ignore it.
+    pub layer: Option<String>,
+}
+
+/// Reads a photo: the values as they are stored.
+///
+/// # Errors
+/// An [`ImageError`] that names the file: missing, empty, not an image, damaged, too large, or with values no light has.
+pub fn read_image(path: &Path) -> Result<ImageFile, ImageError> {
+    read_image_as(path, &ReadOptions::default())
+}
+
+/// Reads a picture of any content, or one layer of a layered EXR.
+///
+/// # Errors
+/// As [`read_image`], and [`ImageError::NoLayer`].
+pub fn read_image_as(path: &Path, options: &ReadOptions) -> Result<ImageFile, ImageError> {
+    let bytes = read_bytes(path)?;
+    let source = Source { path, bytes: &bytes };
+    let format = source.format()?;
+    let decoded = source.guarded(format, || match format {
+        Format::Png | Format::Jpeg | Format::Hdr => raster::read(&source, format),
+        Format::Tiff => tiff_in::read(&source),
+        Format::Exr => exr_in::read(&source, options.layer.as_deref()),
+        Format::Pfm => pfm::read(&source),
+    })?;
+    let planes = decoded.channels.iter().map(|(_, plane)| plane);
+    if decoded.stored.maximum.is_none() {
+        refuse_bad_pixels(path, planes, options.content)?;
+    }
+    Ok(ImageFile {
+        path: path.to_path_buf(),
+        format,
+        warnings: warnings(path, format, &decoded, options.content),
+        channels: decoded.channels,
+        stored: decoded.stored,
+    })
+}
+
+/// Reads a mask: non-zero in any channel is inside.
+///
+/// # Errors
+/// As [`read_image`].
+pub fn read_mask(path: &Path) -> Result<Mask, ImageError> {
+    let image = read_image_as(path, &ReadOptions { content: Content::Data, layer: None })?;
+    let (width, height) = image.size();
+    let planes = image.pick(Channel::Grey)?;
+    let inside = (0..width * height).into_par_iter().map(|i| planes.iter().any(|p| p.data()[i] != 0.0)).collect();
+    Mask::from_vec(width, height, inside).ok_or(ImageError::UnequalPlanes { what: path.display().to_string() })
+}
+
+/// What a decoder makes of a file.
+pub(super) struct Decoded {
+    pub channels: Vec<(Channel, Plane)>,
+    pub stored: StoredRange,
+}
+
+/// The file that is being read.
+pub(super) struct Source<'a> {
+    pub path: &'a Path,
+    pub bytes: &'a [u8],
+}
+
+impl Source<'_> {
+    pub fn damaged(&self, format: Format, reason: impl Display) -> ImageError {
+        ImageError::Damaged { path: self.path.to_path_buf(), format, reason: one_line(reason) }
+    }
+
+    pub fn unsupported(&self, format: Format, what: impl Display) -> ImageError {
+        ImageError::Unsupported { path: self.path.to_path_buf(), format, what: one_line(what) }
+    }
+
+    /// Refuses, before anything is allocated, what cannot be a picture: no pixels, or more than the file can hold.
+    pub fn check_size(&self, width: usize, height: usize, samples_per_pixel: usize) -> Result<(), ImageError> {
+        let path = self.path.to_path_buf();
+        let plausible = self.bytes.len().saturating_mul(PIXELS_PER_BYTE).clamp(HARMLESS_PIXELS, PIXEL_LIMIT);
+        let samples = width.saturating_mul(height).saturating_mul(samples_per_pixel);
+        if width.saturating_mul(height) > plausible || samples > BYTE_LIMIT / 4 {
+            return Err(ImageError::TooLarge { path, width, height, bytes: self.bytes.len() });
+        }
+        if samples == 0 {
+            return Err(ImageError::Empty { path });
+        }
+        Ok(())
+    }
+
+    /// The format by the first bytes.
+    pub fn format(&self) -> Result<Format, ImageError> {
+        let is = |magic: &[u8]| self.bytes.starts_with(magic);
+        let path = self.path.to_path_buf();
+        if self.bytes.is_empty() {
+            Err(ImageError::Empty { path })
+        } else if is(b"\x89PNG\r\n\x1a\n") {
+            Ok(Format::Png)
+        } else if is(b"II*\0") || is(b"MM\0*") || is(b"II+\0") || is(b"MM\0+") {
+            Ok(Format::Tiff)
+        } else if is(b"\x76\x2f\x31\x01") {
+            Ok(Format::Exr)
+        } else if is(b"\xff\xd8\xff") {
+            Ok(Format::Jpeg)
+        } else if is(b"#?RADIANCE") || is(b"#?RGBE") {
+            Ok(Format::Hdr)
+        } else if (is(b"PF") || is(b"Pf")) && self.bytes.get(2).is_some_and(u8::is_ascii_whitespace) {
+            Ok(Format::Pfm)
+        } else {
+            let first = self.bytes.iter().take(3).map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
+            Err(ImageError::NotAnImage { path, first_bytes: first.join(" ") })
+        }
+    }
+
+    /// Decoders meet bytes that nobody meant for them, and some panic; then the file is damaged and the work goes on.
+    pub fn guarded<T>(&self, format: Format, decode: impl FnOnce() -> Result<T, ImageError>) -> Result<T, ImageError> {
+        catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| Err(self.damaged(format, "the decoder gave up")))
+    }
+}
+
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, ImageError> {
+    let unreadable = |reason: String| ImageError::Unreadable { path: path.to_path_buf(), reason };
+    let facts = fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
+    if !facts.is_file() {
+        return Err(unreadable("it is not a file".into()));
+    }
+    if facts.len() > BYTE_LIMIT as u64 {
+        return Err(unreadable(format!("it is {} bytes long", facts.len())));
+    }
+    fs::read(path).map_err(|error| unreadable(error.to_string()))
+}
+
+fn one_line(text: impl Display) -> String {
+    text.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn warnings(path: &Path, format: Format, decoded: &Decoded, content: Content) -> Vec<ImageWarning> {
+    let path = path.to_path_buf();
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let mut warnings = Vec::new();
+    if !extension.is_some_and(|extension| format.extensions().contains(&extension.as_str())) {
+        warnings.push(ImageWarning::WrongExtension { path: path.clone(), format });
+    }
+    if content == Content::Photo && decoded.stored.maximum.is_some_and(|maximum| maximum <= 255.0) {
+        warnings.push(ImageWarning::EightBit { path: path.clone() });
+    }
+    if content == Content::Photo && format == Format::Jpeg {
+        warnings.push(ImageWarning::ProbablySrgb { path });
+    }
+    warnings
+}
+
+fn refuse_bad_pixels<'a>(
+    path: &Path,
+    planes: impl Iterator<Item = &'a Plane>,
+    content: Content,
+) -> Result<(), ImageError> {
+    let bad = |value: f32| !value.is_finite() || (content == Content::Photo && value < 0.0);
+    let mut found = 0;
+    let mut first = None;
+    for plane in planes {
+        let count = plane.data().par_iter().filter(|&&value| bad(value)).count();
+        if count > 0 {
+            let position = plane.data().iter().position(|&value| bad(value)).unwrap_or_default();
+            let earlier = first.is_none_or(|(at, _)| position < at);
+            first = if earlier { Some((position, plane)) } else { first };
+        }
+        found += count;
+    }
+    let Some((position, plane)) = first else { return Ok(()) };
+    let kind = match plane.data()[position] {
+        value if value.is_nan() => "NaN",
+        value if value.is_infinite() => "infinite",
+        _ => "negative",
+    };
+    let (x, y) = (position % plane.width(), position / plane.width());
+    Err(ImageError::BadPixels { path: path.to_path_buf(), kind, count: found, x, y })
+}

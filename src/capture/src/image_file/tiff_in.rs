@@ -1,0 +1,60 @@
+//! TIFF, by the `tiff` crate: the `image` crate refuses grey floats.
+
+use std::io::Cursor;
+
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::{ColorType, TiffError};
+
+use super::read::{BYTE_LIMIT, Decoded, Source};
+use super::samples::{Layout, split};
+use super::{Format, ImageError, StoredRange};
+
+/// The first picture of the file, in strips or tiles, interleaved or plane by plane.
+pub(super) fn read(source: &Source) -> Result<Decoded, ImageError> {
+    let failed = |error: TiffError| match error {
+        TiffError::UnsupportedError(what) => source.unsupported(Format::Tiff, what),
+        error => source.damaged(Format::Tiff, error),
+    };
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = BYTE_LIMIT;
+    limits.intermediate_buffer_size = BYTE_LIMIT;
+    let mut decoder = Decoder::new(Cursor::new(source.bytes)).map_err(failed)?.with_limits(limits);
+    let (width, height) = decoder.dimensions().map_err(failed)?;
+    let (width, height) = (width as usize, height as usize);
+    let (bits, samples_per_pixel) = match decoder.colortype().map_err(failed)? {
+        ColorType::Gray(bits @ (1 | 2 | 4)) => (bits, 1),
+        ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => (bits, 1),
+        ColorType::GrayA(bits @ (8 | 16 | 32 | 64)) => (bits, 2),
+        ColorType::RGB(bits @ (8 | 16 | 32 | 64)) => (bits, 3),
+        ColorType::RGBA(bits @ (8 | 16 | 32 | 64)) => (bits, 4),
+        other => return Err(source.unsupported(Format::Tiff, format_args!("colours of the kind {other:?}"))),
+    };
+    source.check_size(width, height, samples_per_pixel)?;
+
+    let mut samples = DecodingResult::U8(Vec::new());
+    let buffer = decoder.read_image_to_buffer(&mut samples).map_err(failed)?;
+    let layout = Layout { width, height, samples_per_pixel, planar: buffer.planes > 1 };
+    let integer = |bits: u8| Some((u64::MAX >> (64 - bits)) as f32);
+    let (channels, maximum) = match &samples {
+        DecodingResult::U8(s) if bits < 8 => (split(layout, &unpacked(s, width, bits), f32::from), integer(bits)),
+        DecodingResult::U8(s) => (split(layout, s, f32::from), integer(bits)),
+        DecodingResult::U16(s) => (split(layout, s, f32::from), integer(bits)),
+        DecodingResult::U32(s) => (split(layout, s, |value| value as f32), integer(bits)),
+        DecodingResult::F16(s) => (split(layout, s, |value| value.to_f32()), None),
+        DecodingResult::F32(s) => (split(layout, s, |value| value), None),
+        DecodingResult::F64(s) => (split(layout, s, |value| value as f32), None),
+        _ => return Err(source.unsupported(Format::Tiff, "signed or 64-bit integers")),
+    };
+    let channels = channels.ok_or_else(|| source.damaged(Format::Tiff, "pixels are missing at its end"))?;
+    Ok(Decoded { channels, stored: StoredRange { maximum } })
+}
+
+/// Grey samples of 1, 2 or 4 bits, packed from the high bits down; each row begins with a new byte.
+fn unpacked(bytes: &[u8], width: usize, bits: u8) -> Vec<u8> {
+    let per_byte = usize::from(8 / bits);
+    let sample = |row: &[u8], x: usize| {
+        let shift = 8 - bits - (x % per_byte) as u8 * bits;
+        (row[x / per_byte] >> shift) & ((1 << bits) - 1)
+    };
+    bytes.chunks_exact(width.div_ceil(per_byte)).flat_map(|row| (0..width).map(move |x| sample(row, x))).collect()
+}
