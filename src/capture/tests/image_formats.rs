@@ -39,7 +39,7 @@ fn assert_grey(image: &ImageFile, expected: &[f32], maximum: Option<f32>) {
 fn assert_rgb(image: &ImageFile, interleaved: &[f32], maximum: Option<f32>) {
     assert_eq!(image.stored.maximum, maximum);
     let names: Vec<_> = image.channels.iter().map(|(name, _)| *name).collect();
-    assert_eq!(names, [Channel::Red, Channel::Green, Channel::Blue]);
+    assert_eq!(names, [Channel::R, Channel::G, Channel::B]);
     for (index, (_, plane)) in image.channels.iter().enumerate() {
         assert_bits(plane, &every_third(interleaved, index));
     }

@@ -22,7 +22,7 @@ fn grey(stored: &[f32], maximum: Option<f32>) -> ImageFile {
 
 fn rgb(stored: &[&[f32]], maximum: Option<f32>) -> ImageFile {
     let names: &[Channel] =
-        if stored.len() == 1 { &[Channel::Grey] } else { &[Channel::Red, Channel::Green, Channel::Blue] };
+        if stored.len() == 1 { &[Channel::Grey] } else { &[Channel::R, Channel::G, Channel::B] };
     let plane = |values: &[f32]| Plane::from_vec(values.len(), 1, values.to_vec()).unwrap();
     ImageFile {
         path: PathBuf::from("object/left.png"),
@@ -101,11 +101,11 @@ fn channels_are_picked_or_their_light_is_averaged() {
         let options = LinearOptions { channel, ..LinearOptions::default() };
         linearise([Ok(&image)], &options, &Corrections::default()).unwrap().photo
     };
-    assert_light(light(Channel::Red).linear.data(), &[0.2]);
-    assert_light(light(Channel::Green).linear.data(), &[0.4]);
+    assert_light(light(Channel::R).linear.data(), &[0.2]);
+    assert_light(light(Channel::G).linear.data(), &[0.4]);
     assert_light(light(Channel::Grey).linear.data(), &[1.6 / 3.0]);
     assert_eq!(light(Channel::Grey).marks, [CLIPPED], "one clipped channel spoils the mean");
-    let options = LinearOptions { channel: Channel::Blue, ..LinearOptions::default() };
+    let options = LinearOptions { channel: Channel::B, ..LinearOptions::default() };
     let error = linearise(files(&[grey(&[1.0], None)]), &options, &Corrections::default()).unwrap_err();
     assert!(error.to_string().contains("no channel \"b\", only \"grey\""), "{error}");
 }

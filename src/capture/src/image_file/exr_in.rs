@@ -138,7 +138,7 @@ fn pick_channels(source: &Source, layer: &Layer) -> Result<Vec<(Channel, usize)>
         |wanted: &str| layer.channels.iter().find(|(name, _)| name.eq_ignore_ascii_case(wanted)).map(|found| found.1);
     for names in [["R", "G", "B"], ["X", "Y", "Z"]] {
         if let [Some(red), Some(green), Some(blue)] = names.map(find) {
-            return Ok(vec![(Channel::Red, red), (Channel::Green, green), (Channel::Blue, blue)]);
+            return Ok(vec![(Channel::R, red), (Channel::G, green), (Channel::B, blue)]);
         }
     }
     let others: Vec<_> = layer.channels.iter().filter(|(name, _)| !name.eq_ignore_ascii_case("A")).collect();

@@ -26,7 +26,7 @@ pub(super) fn split<T: Copy + Sync>(
     let Layout { width, height, samples_per_pixel, planar } = layout;
     let samples = samples.get(..width * height * samples_per_pixel)?;
     let names: &[Channel] =
-        if samples_per_pixel < 3 { &[Channel::Grey] } else { &[Channel::Red, Channel::Green, Channel::Blue] };
+        if samples_per_pixel < 3 { &[Channel::Grey] } else { &[Channel::R, Channel::G, Channel::B] };
     if planar {
         return names
             .iter()

@@ -1,0 +1,161 @@
+//! Results to files.
+
+use std::path::{Path, PathBuf};
+
+use firstbounce_core::{NormalMap, Plane};
+use indexmap::IndexMap;
+
+use super::watch::Part;
+use super::{PipelineError, PipelineWatch, Solved, Stage, StageCost, Surfaced};
+use crate::atomic::{OutputFolder, WriteError};
+use crate::image_file::{ExrLayer, GreenAxis, ImageError, normals_png, write_exr};
+use crate::mesh_file::{write_obj, write_ply};
+use crate::report::{Report, html};
+use crate::set::CaptureSet;
+
+/// How to write results.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OutputOptions {
+    /// The direction of green in normals.png.
+    pub green: GreenAxis,
+}
+
+/// Writes every result into `folder` and returns the report that lies there too. Until all of it is written, nothing in
+/// the folder changes.
+pub fn write_solved(
+    set: &CaptureSet,
+    solved: &mut Solved,
+    folder: &Path,
+    options: OutputOptions,
+    watch: &dyn PipelineWatch,
+) -> Result<Report, PipelineError> {
+    let mut stages = std::mem::take(&mut solved.stages);
+    let mut files = Files { folder: OutputFolder::stage(folder)?, written: IndexMap::new() };
+    let written = StageCost::measure(&mut stages, Stage::Write, || write_results(set, solved, &mut files, options, watch));
+    solved.stages = stages;
+    written?;
+
+    files.note("report.json", "every number of this run");
+    files.note("report.html", "this run on one page, with pictures");
+    let report = Report::new(set, solved, options.green, files.written.clone());
+    let json = serde_json::to_string_pretty(&report).map_err(PipelineError::Json)?;
+    write_text(&files.folder.file("report.json")?, &(json + "\n"))?;
+    write_text(&files.folder.file("report.html")?, &html(set, solved, &report)?)?;
+    if watch.cancelled() {
+        return Err(PipelineError::Cancelled);
+    }
+    files.folder.commit()?;
+    Ok(report)
+}
+
+/// The staged files, and what each is.
+struct Files {
+    folder: OutputFolder,
+    written: IndexMap<String, String>,
+}
+
+impl Files {
+    /// Where to write `name`, which is `what`.
+    fn add(&mut self, name: impl Into<String>, what: impl Into<String>) -> Result<PathBuf, WriteError> {
+        let name = name.into();
+        let path = self.folder.file(&name)?;
+        self.written.insert(name, what.into());
+        Ok(path)
+    }
+
+    fn note(&mut self, name: &str, what: &str) {
+        self.written.insert(name.into(), what.into());
+    }
+}
+
+fn write_results(
+    set: &CaptureSet,
+    solved: &Solved,
+    files: &mut Files,
+    options: OutputOptions,
+    watch: &dyn PipelineWatch,
+) -> Result<(), PipelineError> {
+    let count = set.lights.len() + 2;
+    for (l, light) in set.lights.iter().enumerate() {
+        write_bounces(solved, l, &light.name, files)?;
+        step(watch, l, count)?;
+    }
+    if let Ok(after) = &solved.after {
+        write_surface(after, "", "", files, options)?;
+        step(watch, count - 2, count)?;
+    }
+    if let Some(before) = &solved.before {
+        write_surface(before, "-raw", " from the photos as they are", files, options)?;
+        step(watch, count - 1, count)?;
+    }
+    Ok(())
+}
+
+fn step(watch: &dyn PipelineWatch, index: usize, count: usize) -> Result<(), PipelineError> {
+    firstbounce_core::Watch::progress(&Part::of(watch, Stage::Write, index, count), 1.0);
+    if watch.cancelled() { Err(PipelineError::Cancelled) } else { Ok(()) }
+}
+
+/// One layered file with all of a light's planes, and a file for each bounce.
+fn write_bounces(solved: &Solved, l: usize, light: &str, files: &mut Files) -> Result<(), PipelineError> {
+    let separation = &solved.separated.lights[l];
+    let marks = separation.marks.iter().map(|&mark| f32::from(mark)).collect();
+    let size = solved.object.mask.size();
+    let marks = Plane::from_vec(size.0, size.1, marks);
+    let names: Vec<_> = (1..=separation.bounces.len()).map(|k| format!("bounce{k}")).collect();
+    let bounces = names.iter().map(String::as_str).zip(separation.bounces.iter().map(Some));
+    let others = [
+        ("direct-noise", separation.direct_noise.as_ref()),
+        ("residual", separation.residual.as_ref()),
+        ("marks", marks.as_ref()),
+    ];
+    let layers: Vec<_> =
+        bounces.chain(others).filter_map(|(name, plane)| Some(ExrLayer { name, channels: vec![("Y", plane?)] })).collect();
+    let path = files.add(
+        format!("bounces-{light}.exr"),
+        format!("light {light}: a layer for each bounce, the noise of bounce 1, the residual, the marks"),
+    )?;
+    write_exr(&path, &layers)?;
+    for (k, bounce) in (1..).zip(&separation.bounces) {
+        let path = files.add(format!("bounce{k}-{light}.exr"), format!("bounce {k} under light {light}"))?;
+        write_exr(&path, &[ExrLayer { name: "light", channels: vec![("Y", bounce)] }])?;
+    }
+    Ok(())
+}
+
+/// Normals, albedo, depth and mesh; `suffix` goes into the names, `origin` into what is said of them.
+fn write_surface(
+    surfaced: &Surfaced,
+    suffix: &str,
+    origin: &str,
+    files: &mut Files,
+    options: OutputOptions,
+) -> Result<(), PipelineError> {
+    let Surfaced { shape, mesh } = surfaced;
+    let map: &NormalMap = &shape.normals.map;
+    let path = files.add(format!("normals{suffix}.png"), format!("normals{origin}, 16 bits"))?;
+    write_bytes(&path, &normals_png([map.x(), map.y(), map.z()], options.green)?)?;
+    let path = files.add(format!("normals{suffix}.exr"), format!("normals{origin}: R G B = x y z, y up"))?;
+    write_exr(&path, &[ExrLayer { name: "normals", channels: vec![("R", map.x()), ("G", map.y()), ("B", map.z())] }])?;
+    let grey = [
+        ("albedo", &shape.normals.albedo, "albedo"),
+        ("normal-noise", &shape.normals.noise_deg, "predicted noise of the normals in degrees"),
+        ("depth", &shape.depth.depth_mm, "depth toward the camera, in the mesh's unit"),
+    ];
+    for (name, plane, what) in grey {
+        let path = files.add(format!("{name}{suffix}.exr"), format!("{what}{origin}"))?;
+        write_exr(&path, &[ExrLayer { name, channels: vec![("Y", plane)] }])?;
+    }
+    write_obj(&files.add(format!("mesh{suffix}.obj"), format!("mesh{origin}"))?, mesh)?;
+    write_ply(&files.add(format!("mesh{suffix}.ply"), format!("mesh{origin}, with albedo as colour"))?, mesh)?;
+    Ok(())
+}
+
+fn write_text(path: &Path, text: &str) -> Result<(), PipelineError> {
+    write_bytes(path, text.as_bytes())
+}
+
+fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PipelineError> {
+    let unwritable = |error: std::io::Error| ImageError::Unwritable { path: path.to_owned(), reason: error.to_string() };
+    Ok(std::fs::write(path, bytes).map_err(unwritable)?)
+}

@@ -1,0 +1,184 @@
+//! Photos and calibration to bounces, surface and mesh.
+
+use firstbounce_core::mesh::{MeshOptions, from_depth};
+use firstbounce_core::normals::{DirectLight, Lamp};
+use firstbounce_core::separate::{LightPhotos, SeparateOptions, SeparateReport, Separation, separate};
+use firstbounce_core::shape::{Shape, ShapeOptions, recover_shape};
+use firstbounce_core::{Camera, Mesh, Plane, Projection};
+use nalgebra::{Point3, Vector3};
+
+use super::watch::Part;
+use super::{
+    Calibrated, ObjectPhotos, PipelineError, PipelineWatch, Stage, StageCost, calibrate_for, load_object,
+};
+use crate::set::{self, CaptureSet};
+
+/// How to get from photos to a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolveOptions {
+    /// The order m; `None` for the set's own.
+    pub bounces: Option<usize>,
+    /// Normals and depth.
+    pub shape: ShapeOptions,
+    /// Triangles.
+    pub mesh: MeshOptions,
+}
+
+/// The bounces of every light.
+#[derive(Clone, Debug)]
+pub struct Separated {
+    /// By light.
+    pub lights: Vec<Separation>,
+    /// By light.
+    pub reports: Vec<SeparateReport>,
+}
+
+/// A surface and its triangles.
+#[derive(Clone, Debug)]
+pub struct Surfaced {
+    /// Normals, albedo, depth.
+    pub shape: Shape,
+    /// The depth as triangles.
+    pub mesh: Mesh,
+}
+
+/// All results of a set.
+#[derive(Debug)]
+pub struct Solved {
+    /// What was photographed.
+    pub object: ObjectPhotos,
+    /// The rig.
+    pub calibrated: Calibrated,
+    /// The bounces.
+    pub separated: Separated,
+    /// The surface from bounce 1, or why there is none; the bounces stand either way.
+    pub after: Result<Surfaced, PipelineError>,
+    /// The surface from the photos as they are, for comparison; `None` where `after` failed.
+    pub before: Option<Surfaced>,
+    /// What each stage cost.
+    pub stages: Vec<StageCost>,
+}
+
+/// Runs every stage but the writing of files.
+pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch) -> Result<Solved, PipelineError> {
+    let bounces = options.bounces.unwrap_or_else(|| set.bounces());
+    let mut stages = Vec::new();
+    let object = StageCost::measure(&mut stages, Stage::Load, || load_object(set, watch))?;
+    let calibrated = StageCost::measure(&mut stages, Stage::Calibrate, || calibrate_for(set, bounces, watch))?;
+    let separated =
+        StageCost::measure(&mut stages, Stage::Separate, || separate_lights(&object, &calibrated, bounces, watch))?;
+    let raw = StageCost::measure(&mut stages, Stage::Separate, || raw_lights(&object, watch))?;
+
+    let camera = camera_of(set, object.mask.size());
+    let stage = |lights: &[Separation], half: usize, stages: &mut Vec<StageCost>| {
+        let part = Part::of(watch, Stage::Shape, half, 2);
+        let shape = StageCost::measure(stages, Stage::Shape, || {
+            recover(set, &object, &calibrated, lights, &camera, &options.shape, &part)
+        })?;
+        let mesh = StageCost::measure(stages, Stage::Mesh, || triangulate(&shape, &camera, &options.mesh))?;
+        Ok(Surfaced { shape, mesh })
+    };
+    let after = match stage(&separated.lights, 0, &mut stages) {
+        Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
+        after => after,
+    };
+    let before = match &after {
+        Ok(_) => Some(stage(&raw, 1, &mut stages)?),
+        Err(_) => None,
+    };
+    Ok(Solved { object, calibrated, separated, after, before, stages })
+}
+
+/// Separates every light into `bounces` bounces.
+pub fn separate_lights(
+    object: &ObjectPhotos,
+    calibrated: &Calibrated,
+    bounces: usize,
+    watch: &dyn PipelineWatch,
+) -> Result<Separated, PipelineError> {
+    let beta = calibrated.beta_values();
+    let mut separated = Separated { lights: Vec::new(), reports: Vec::new() };
+    for (l, photos) in object.photos.iter().enumerate() {
+        let alpha = calibrated.alpha_values(l);
+        let photos: Vec<_> = photos.iter().collect();
+        let light =
+            LightPhotos { photos: &photos, noise: &object.noise[l], alpha: &alpha, beta: &beta, mask: &object.mask };
+        let part = Part::of(watch, Stage::Separate, l, object.photos.len());
+        let (separation, report) = separate(&light, &SeparateOptions { bounces }, &part)?;
+        separated.lights.push(separation);
+        separated.reports.push(report);
+    }
+    Ok(separated)
+}
+
+/// The reference colour's photos as if all their light had bounced once: what photometric stereo sees uncorrected.
+pub fn raw_lights(object: &ObjectPhotos, watch: &dyn PipelineWatch) -> Result<Vec<Separation>, PipelineError> {
+    let one_bounce = |l: usize| {
+        let (photos, noise) = ([&object.photos[l][0]], [object.noise[l][0]]);
+        let light = LightPhotos { photos: &photos, noise: &noise, alpha: &[1.0], beta: &[1.0], mask: &object.mask };
+        let part = Part::of(watch, Stage::Separate, l, object.photos.len());
+        Ok(separate(&light, &SeparateOptions { bounces: 1 }, &part)?.0)
+    };
+    (0..object.photos.len()).map(one_bounce).collect()
+}
+
+/// The surface that bounce 1 of `lights` shows.
+pub fn recover(
+    set: &CaptureSet,
+    object: &ObjectPhotos,
+    calibrated: &Calibrated,
+    lights: &[Separation],
+    camera: &Camera,
+    options: &ShapeOptions,
+    watch: &dyn firstbounce_core::Watch,
+) -> Result<Shape, PipelineError> {
+    let lamps = lamps(set, calibrated)?;
+    let direct: Vec<_> = lights
+        .iter()
+        .zip(lamps)
+        .enumerate()
+        .map(|(l, (separation, lamp))| DirectLight {
+            direct: &separation.bounces[0],
+            noise: separation.direct_noise.as_ref(),
+            marks: &separation.marks,
+            lamp,
+            intensity: calibrated.intensity[l].value,
+        })
+        .collect();
+    Ok(recover_shape(&direct, &object.mask, camera, options, watch)?)
+}
+
+/// Where each lamp is: its position if the set gives one, else its direction.
+pub fn lamps(set: &CaptureSet, calibrated: &Calibrated) -> Result<Vec<Lamp>, PipelineError> {
+    let lamp = |(l, light): (usize, &set::Light)| match (light.position_mm, &calibrated.direction[l]) {
+        (Some(position), _) => Ok(Lamp::Near(Point3::from(position))),
+        (None, Some(direction)) => Ok(Lamp::Distant(Vector3::from(direction.value))),
+        (None, None) => Err(PipelineError::NoDirection { light: light.name.clone() }),
+    };
+    set.lights.iter().enumerate().map(lamp).collect()
+}
+
+/// The set's camera for pictures of this size.
+pub fn camera_of(set: &CaptureSet, size: (usize, usize)) -> Camera {
+    let projection = match set.camera.projection {
+        set::Projection::Orthographic { mm_per_pixel } => Projection::Orthographic { mm_per_pixel },
+        set::Projection::Perspective { focal_length_px, principal_point, working_distance_mm } => {
+            let [x, y] = principal_point.unwrap_or([size.0 as f64 / 2.0, size.1 as f64 / 2.0]);
+            Projection::Perspective { focal_length_px, principal_point_px: (x, y), working_distance_mm }
+        }
+    };
+    Camera { projection, size }
+}
+
+/// The depth as triangles, coloured by albedo relative to the brightest part.
+pub fn triangulate(shape: &Shape, camera: &Camera, options: &MeshOptions) -> Result<Mesh, PipelineError> {
+    let albedo = relative_albedo(&shape.normals.albedo);
+    Ok(from_depth(&shape.depth.depth_mm, &shape.depth.mask, camera, Some(&shape.normals.map), Some(&albedo), options)?)
+}
+
+/// Albedo over its largest value: a mesh's colours end at 1.
+fn relative_albedo(albedo: &Plane) -> Plane {
+    let largest = albedo.data().iter().copied().fold(0.0, f32::max).max(f32::MIN_POSITIVE);
+    let data = albedo.data().iter().map(|value| value / largest).collect();
+    Plane::from_vec(albedo.width(), albedo.height(), data).unwrap_or_else(|| albedo.clone())
+}

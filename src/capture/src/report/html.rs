@@ -1,0 +1,218 @@
+//! `report.html`: one page that needs no other file.
+
+use firstbounce_core::Plane;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use rayon::prelude::*;
+
+use super::calibration::Row;
+use super::{Pictures, Report, ShapeWords};
+use crate::pipeline::{PipelineError, Solved, Surfaced};
+use crate::set::CaptureSet;
+
+/// How much brighter than bounce 1 the composite shows the indirect light, as in the paper's Figure 1.
+const COMPOSITE_AMPLIFICATION: f32 = 10.0;
+
+/// The page of a run.
+pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String, PipelineError> {
+    let pictures = Pictures::of(&solved.object.mask);
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (report.set.name) " - Firstbounce" }
+                style { (PreEscaped(include_str!("report.css"))) }
+            }
+            body {
+                h1 { (report.set.name) }
+                p { (summary(report)) }
+                (warnings(report))
+                h2 { "Captures and bounces" }
+                @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
+                (shape_section(solved, report, pictures)?)
+                h2 { "Calibration" }
+                (calibration_table(report))
+                h2 { "Files" }
+                (files(report))
+                h2 { "Cost" }
+                (costs(report))
+                footer { (report.program) }
+            }
+        }
+    };
+    Ok(page.into_string())
+}
+
+fn summary(report: &Report) -> String {
+    let [width, height] = report.set.size;
+    format!(
+        "{} lights ({}), {} colours ({}, reference first), {width} x {height} pixels, {} of them object; {} bounces separated.",
+        report.set.lights.len(),
+        report.set.lights.join(", "),
+        report.set.colours.len(),
+        report.set.colours.join(", "),
+        report.set.mask_pixels,
+        report.bounces
+    )
+}
+
+fn warnings(report: &Report) -> Markup {
+    html! {
+        @if let Some(reason) = &report.no_shape { p.problem { "No surface: " (reason) } }
+        @if !report.warnings.is_empty() {
+            div.warning { h2 { "Take care" } ul { @for warning in &report.warnings { li { (warning) } } } }
+        }
+    }
+}
+
+fn light_section(
+    set: &CaptureSet,
+    solved: &Solved,
+    report: &Report,
+    pictures: Pictures,
+    l: usize,
+) -> Result<Markup, PipelineError> {
+    let name = &set.lights[l].name;
+    let bounces = &solved.separated.lights[l].bounces;
+    let mut shown = Vec::new();
+    for (colour, photo) in set.colours.iter().zip(&solved.object.photos[l]) {
+        shown.push((format!("Photo, {}", colour.name), pictures.light(&photo.linear)?));
+    }
+    let white = pictures.white(&bounces[0]);
+    for (k, bounce) in (1..).zip(bounces) {
+        let own = if k == 1 { white } else { pictures.white(bounce) };
+        let brighter = if k == 1 { String::new() } else { format!(", {:.1} times brightened", white / own) };
+        shown.push((format!("Bounce {k}{brighter}"), pictures.light_with_white(bounce, own)?));
+    }
+    if bounces.len() > 1 {
+        let composite = pictures.composite(&bounces[0], &sum_of(&bounces[1..]), COMPOSITE_AMPLIFICATION)?;
+        let caption = format!("Bounce 1 red, later bounces cyan ({COMPOSITE_AMPLIFICATION} times)");
+        shown.push((caption, composite));
+    }
+    let words = &report.separation[name];
+    Ok(html! {
+        h3 { "Light " (name) }
+        div.pictures { @for (caption, address) in &shown { (figure(caption, address)) } }
+        table {
+            tr { th { "Bounce" } th { "mean light" } th { "predicted noise" } th { "gain" } }
+            @for k in 0..words.mean.len() {
+                tr { td { (k + 1) } td { (number(words.mean[k])) } td { (number(words.noise[k])) } td { (number(words.gain[k])) } }
+            }
+        }
+        p { "Condition number " (number(words.condition_number)) ". " (words.solved_pixels) " pixels solved, "
+            (words.reduced_pixels) " of them without a clipped or dark colour; left out: "
+            (words.unsolved_clipped_pixels) " clipped, " (words.unsolved_dark_pixels) " dark." }
+    })
+}
+
+fn shape_section(solved: &Solved, report: &Report, pictures: Pictures) -> Result<Markup, PipelineError> {
+    let (Ok(after), Some(words)) = (&solved.after, &report.shape) else { return Ok(html! {}) };
+    let mut shown = Vec::new();
+    let mut add = |what: &str, surfaced: &Surfaced| -> Result<(), PipelineError> {
+        let shape = &surfaced.shape;
+        shown.push((format!("Normals {what}"), pictures.normals(&shape.normals.map)?));
+        shown.push((format!("Depth {what}"), pictures.depth(&shape.depth.depth_mm, &shape.depth.mask)?));
+        Ok(())
+    };
+    if let Some(before) = &solved.before {
+        add("before: photos as they are", before)?;
+    }
+    add("after: bounce 1 alone", after)?;
+    shown.push(("Albedo".into(), pictures.light(&after.shape.normals.albedo)?));
+    Ok(html! {
+        h2 { "Shape" }
+        div.pictures { @for (caption, address) in &shown { (figure(caption, address)) } }
+        (shape_table(words, report.before.as_ref()))
+        p { "Axes: " (report.conventions.frame) ". Normal map: " (report.conventions.normals) ". Mesh and depth in "
+            (words.mesh.unit) @if words.mesh.unit == "px" { " (the camera's scale is not known)" } "." }
+    })
+}
+
+fn shape_table(after: &ShapeWords, before: Option<&ShapeWords>) -> Markup {
+    type Cell = fn(&ShapeWords) -> String;
+    let rows: [(&str, Cell); 8] = [
+        ("Pixels with a normal", |words| words.solved_pixels.to_string()),
+        ("of these in some shadow", |words| (words.shadowed_pixels + words.shadow_used_pixels).to_string()),
+        ("Object pixels without one", |words| words.unsolved_pixels.to_string()),
+        ("Predicted noise of normals, degrees", |words| number(words.mean_noise_deg)),
+        ("Slopes that fit no surface, rms", |words| number(words.depth.rms_slope_residual)),
+        ("Islands", |words| words.depth.islands.to_string()),
+        ("Depth range", |words| {
+            words.mesh.bounds.map_or_else(String::new, |[a, b]| format!("{:.3} {}", b[2] - a[2], words.mesh.unit))
+        }),
+        ("Triangles", |words| words.mesh.triangles.to_string()),
+    ];
+    html! {
+        table {
+            tr { th { "" } @if before.is_some() { th { "before" } } th { "after" } }
+            @for (name, cell) in &rows {
+                tr { td { (name) } @if let Some(before) = before { td { (cell(before)) } } td { (cell(after)) } }
+            }
+        }
+    }
+}
+
+fn calibration_table(report: &Report) -> Markup {
+    html! {
+        table {
+            tr { th { "Quantity" } th { "value" } th { "95 % interval" } th { "source" } th { "pixels used" } th { "pixels refused" } }
+            @for Row { quantity, value, interval, source, used, refused } in report.calibration.rows() {
+                tr { td { (quantity) } td { (value) } td { (interval) } td { (source) } td { (used) } td { (refused) } }
+            }
+        }
+        @if !report.calibration.circle.is_empty() {
+            table {
+                tr { th { "Ball" } th { "centre, px" } th { "radius, px" } }
+                @for (subject, circle) in &report.calibration.circle {
+                    tr {
+                        td { (subject) }
+                        td { (format!("{:.2}, {:.2}", circle.centre[0], circle.centre[1])) }
+                        td { (format!("{:.2}", circle.radius)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn files(report: &Report) -> Markup {
+    html! {
+        table { @for (name, what) in &report.files { tr { td { a href=(name) { (name) } } td { (what) } } } }
+    }
+}
+
+fn costs(report: &Report) -> Markup {
+    let mebibytes = |bytes: Option<u64>| bytes.map_or_else(String::new, |bytes| format!("{} MiB", bytes >> 20));
+    html! {
+        table {
+            tr { th { "Stage" } th { "seconds" } th { "most memory so far" } }
+            @for cost in &report.stages {
+                tr { td { (cost.stage) } td { (format!("{:.2}", cost.seconds)) } td { (mebibytes(cost.peak_rss_bytes)) } }
+            }
+        }
+    }
+}
+
+fn figure(caption: &str, address: &str) -> Markup {
+    html! { figure { img src=(address) alt=(caption); figcaption { (caption) } } }
+}
+
+/// Three significant digits or more, never an exponent for what a person meets daily.
+fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if size >= 100.0 => format!("{value:.0}"),
+        size if size >= 1.0 => format!("{value:.2}"),
+        size if size >= 0.001 => format!("{value:.4}"),
+        _ => format!("{value:.1e}"),
+    }
+}
+
+fn sum_of(planes: &[Plane]) -> Plane {
+    let mut sum = planes[0].clone();
+    for plane in &planes[1..] {
+        sum.data_mut().par_iter_mut().zip(plane.data()).for_each(|(sum, value)| *sum += value);
+    }
+    sum
+}

@@ -1,0 +1,11 @@
+//! What a run leaves for people and programs to read: `report.json` and `report.html`.
+
+mod calibration;
+mod html;
+mod pictures;
+mod words;
+
+pub use calibration::CalibrationWords;
+pub use html::html;
+pub use pictures::Pictures;
+pub use words::{Conventions, DepthWords, LightWords, MeshWords, Report, SetWords, ShapeWords};

@@ -1,0 +1,250 @@
+//! `report.json`: every number of a run, by the words of the capture file.
+
+use firstbounce_core::mesh::LengthUnit;
+use firstbounce_core::separate::SeparateReport;
+use indexmap::IndexMap;
+use serde::Serialize;
+
+use super::CalibrationWords;
+use crate::image_file::GreenAxis;
+use crate::pipeline::{Solved, StageCost, Surfaced};
+use crate::set::CaptureSet;
+
+/// Everything that a run tells.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The program and its version.
+    pub program: String,
+    /// What was photographed.
+    pub set: SetWords,
+    /// The rig, in the words that `calibrate --json` prints.
+    pub calibration: CalibrationWords,
+    /// The order m.
+    pub bounces: usize,
+    /// By light.
+    pub separation: IndexMap<String, LightWords>,
+    /// The surface from bounce 1; absent where there is none.
+    pub shape: Option<ShapeWords>,
+    /// The surface from the photos as they are.
+    pub before: Option<ShapeWords>,
+    /// Why there is no surface.
+    pub no_shape: Option<String>,
+    /// How to read the files.
+    pub conventions: Conventions,
+    /// What was written, by path relative to the report.
+    pub files: IndexMap<String, String>,
+    /// What a person should know before trusting the numbers.
+    pub warnings: Vec<String>,
+    /// What each stage cost.
+    pub stages: Vec<StageCost>,
+}
+
+/// What was photographed.
+#[derive(Clone, Debug, Serialize)]
+pub struct SetWords {
+    /// Its name.
+    pub name: String,
+    /// The folder it was read from.
+    pub folder: String,
+    /// Width and height of the object's photos in pixels.
+    pub size: [usize; 2],
+    /// Pixels of the object.
+    pub mask_pixels: usize,
+    /// Names of the lights.
+    pub lights: Vec<String>,
+    /// Names of the colours, the reference first.
+    pub colours: Vec<String>,
+}
+
+/// The separation of one light.
+#[derive(Clone, Debug, Serialize)]
+pub struct LightWords {
+    /// Noise of each bounce for unit noise on every photo.
+    pub gain: Vec<f64>,
+    /// Of the matrix beta^k.
+    pub condition_number: f64,
+    /// Mean of each bounce in linear light.
+    pub mean: Vec<f64>,
+    /// Predicted noise of each bounce in linear light.
+    pub noise: Vec<f64>,
+    /// Root mean square of what the bounces leave of the photos; 0 when there are as many bounces as colours.
+    pub residual_rms: f64,
+    /// What noise alone would leave.
+    pub residual_expected: f64,
+    /// Pixels solved.
+    pub solved_pixels: usize,
+    /// Of those, solved without a clipped or dark colour.
+    pub reduced_pixels: usize,
+    /// Pixels left out since clipped.
+    pub unsolved_clipped_pixels: usize,
+    /// Pixels left out since dark.
+    pub unsolved_dark_pixels: usize,
+}
+
+/// A surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct ShapeWords {
+    /// Pixels with a normal.
+    pub solved_pixels: usize,
+    /// Of those, with shadowed or misfitting lights left out.
+    pub shadowed_pixels: usize,
+    /// Of those, where a shadowed light had to be used.
+    pub shadow_used_pixels: usize,
+    /// Pixels of the object without a normal.
+    pub unsolved_pixels: usize,
+    /// Of the lamps' directions.
+    pub condition_number: f64,
+    /// Mean albedo, relative to the first lamp's strength.
+    pub mean_albedo: f64,
+    /// Mean predicted noise of the normals in degrees.
+    pub mean_noise_deg: f64,
+    /// The integration.
+    pub depth: DepthWords,
+    /// The triangles.
+    pub mesh: MeshWords,
+}
+
+/// The integration.
+#[derive(Clone, Debug, Serialize)]
+pub struct DepthWords {
+    /// Pixels with a depth.
+    pub pixels: usize,
+    /// Unconnected parts; the depth between them is not known.
+    pub islands: usize,
+    /// Iterations of the solver.
+    pub iterations: usize,
+    /// Relative residual of the solver.
+    pub relative_residual: f64,
+    /// Integrability residual: slopes of the depth less those of the normals, root mean square.
+    pub rms_slope_residual: f64,
+    /// Pixels whose slope was clamped.
+    pub clamped_pixels: usize,
+    /// For each round after the first, the change of the depth (near lamps only).
+    pub changes: Vec<f64>,
+}
+
+/// The triangles.
+#[derive(Clone, Debug, Serialize)]
+pub struct MeshWords {
+    /// Vertices.
+    pub vertices: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Unit of the coordinates: "mm" or "px".
+    pub unit: &'static str,
+    /// Smallest and largest corner.
+    pub bounds: Option<[[f32; 3]; 2]>,
+}
+
+/// How to read the files.
+#[derive(Clone, Debug, Serialize)]
+pub struct Conventions {
+    /// Of everything in space.
+    pub frame: &'static str,
+    /// Of the normal map's green channel.
+    pub normals: &'static str,
+    /// Of depth and mesh.
+    pub unit: &'static str,
+    /// Of the bounce images.
+    pub bounces: &'static str,
+    /// Of the marks layer.
+    pub marks: &'static str,
+}
+
+impl Conventions {
+    fn of(green: GreenAxis, unit: &'static str) -> Self {
+        Self {
+            frame: "x right, y up, z from the object toward the camera",
+            normals: match green {
+                GreenAxis::Up => "OpenGL: red = x, green = y up, blue = z, each (n + 1) / 2; black = no normal",
+                GreenAxis::Down => "DirectX: red = x, green = y down, blue = z, each (n + 1) / 2; black = no normal",
+            },
+            unit,
+            bounces: "linear light in the reference colour; 1 is the camera's white level at exposure 1",
+            marks: "sum of 1 clipped, 2 dark, 4 unsolved, 8 outside the mask",
+        }
+    }
+}
+
+impl Report {
+    /// The report of a run; `files` are what it wrote.
+    pub fn new(set: &CaptureSet, solved: &Solved, green: GreenAxis, files: IndexMap<String, String>) -> Self {
+        let size = solved.object.mask.size();
+        let shape = solved.after.as_ref().ok().map(ShapeWords::of);
+        let names = set.lights.iter().map(|light| light.name.clone());
+        let warnings = solved.object.warnings.iter().chain(&solved.calibrated.warnings).cloned().collect();
+        Self {
+            program: format!("Firstbounce {}", env!("CARGO_PKG_VERSION")),
+            set: SetWords {
+                name: set.title(),
+                folder: set.folder.display().to_string(),
+                size: [size.0, size.1],
+                mask_pixels: solved.object.mask.count(),
+                lights: names.clone().collect(),
+                colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
+            },
+            calibration: CalibrationWords::of(set, &solved.calibrated),
+            bounces: solved.separated.reports.first().map_or(0, |report| report.bounces),
+            separation: names.zip(solved.separated.reports.iter().map(LightWords::of)).collect(),
+            conventions: Conventions::of(green, shape.as_ref().map_or("none", |shape| shape.mesh.unit)),
+            shape,
+            before: solved.before.as_ref().map(ShapeWords::of),
+            no_shape: solved.after.as_ref().err().map(ToString::to_string),
+            files,
+            warnings,
+            stages: solved.stages.clone(),
+        }
+    }
+}
+
+impl LightWords {
+    fn of(report: &SeparateReport) -> Self {
+        let SeparateReport { gain, condition_number, mean, noise, residual_rms, residual_expected, .. } = report.clone();
+        Self {
+            gain,
+            condition_number,
+            mean,
+            noise,
+            residual_rms,
+            residual_expected,
+            solved_pixels: report.solved_pixels,
+            reduced_pixels: report.reduced_pixels,
+            unsolved_clipped_pixels: report.unsolved_clipped_pixels,
+            unsolved_dark_pixels: report.unsolved_dark_pixels,
+        }
+    }
+}
+
+impl ShapeWords {
+    fn of(surfaced: &Surfaced) -> Self {
+        let (normals, depth) = (&surfaced.shape.report.normals, &surfaced.shape.depth.report);
+        let corner = |p: nalgebra::Point3<f32>| [p.x, p.y, p.z];
+        Self {
+            solved_pixels: normals.solved_pixels,
+            shadowed_pixels: normals.shadowed_pixels,
+            shadow_used_pixels: normals.shadow_used_pixels,
+            unsolved_pixels: normals.unsolved_pixels,
+            condition_number: normals.condition_number,
+            mean_albedo: normals.mean_albedo,
+            mean_noise_deg: normals.mean_noise_deg,
+            depth: DepthWords {
+                pixels: depth.pixels,
+                islands: depth.islands,
+                iterations: depth.iterations,
+                relative_residual: depth.relative_residual,
+                rms_slope_residual: depth.rms_slope_residual,
+                clamped_pixels: depth.clamped_pixels,
+                changes: surfaced.shape.report.depth_changes.clone(),
+            },
+            mesh: MeshWords {
+                vertices: surfaced.mesh.positions.len(),
+                triangles: surfaced.mesh.triangles.len(),
+                unit: match surfaced.mesh.unit {
+                    LengthUnit::Millimetre => "mm",
+                    LengthUnit::Pixel => "px",
+                },
+                bounds: surfaced.mesh.bounds().map(|(low, high)| [corner(low), corner(high)]),
+            },
+        }
+    }
+}
