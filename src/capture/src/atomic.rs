@@ -99,9 +99,9 @@ const FILE_MODE: u32 = 0o666;
 /// A folder of output that appears when it is complete.
 ///
 /// Files are staged in a hidden folder on the same disk. [`OutputFolder::commit`] moves them to the target: as a whole
-/// where the target does not exist, else file by file over those of the same name; other files there are never touched.
-/// Dropped before that, as on an error or when a person cancels, it takes the staged files away and leaves the target as
-/// it was.
+/// where the target does not exist, else file by file over those of the same name; other files there stay untouched.
+/// Dropped before that, as on an error or when a person cancels, it takes the staged files away and leaves the target
+/// as it was.
 #[derive(Debug)]
 pub struct OutputFolder {
     target: PathBuf,

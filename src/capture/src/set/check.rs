@@ -18,7 +18,10 @@ impl CaptureSet {
     pub fn warnings(&self) -> Vec<Problem> {
         let behind = |direction: &[f64; 3]| {
             (direction[2] <= 0.0).then(|| {
-                format!("{direction:?} comes from behind the object; a direction points from the object to the light, z to the camera")
+                format!(
+                    "{direction:?} comes from behind the object; a direction points from the object to the light, and \
+                     z to the camera"
+                )
             })
         };
         let mut warnings = Vec::new();

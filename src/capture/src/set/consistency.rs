@@ -157,8 +157,8 @@ impl CaptureSet {
             for (other, beta_other) in named.iter().skip(index + 1) {
                 if (beta_one - beta_other).abs() <= CLOSEST_BETA + ROUNDING {
                     let message = format!(
-                        "{other:?} ({beta_other}) is within {CLOSEST_BETA} of {one:?} ({beta_one}), so that the two tell \
-                         nothing apart; take lamp colours that the paint reflects more differently"
+                        "{other:?} ({beta_other}) is within {CLOSEST_BETA} of {one:?} ({beta_one}), too alike to tell \
+                         bounces apart; take lamp colours that the paint reflects more differently"
                     );
                     problems.push(Problem::of_key(Location::Calibration, "beta", message));
                 }

@@ -1,8 +1,8 @@
 //! The capture set file `capture.toml`: what was photographed, how, and what is known of the rig.
 //!
-//! [`CaptureSet`] is plain data. [`CaptureSet::open`] reads it strictly: every problem names its line, its key, what was
-//! found and what was expected. [`Reading`] takes what can be read and keeps the problems, for a window that shows them
-//! where they are. Texts are changed in place: comments and layout survive.
+//! [`CaptureSet`] is plain data. [`CaptureSet::open`] reads it strictly: every problem names its line, its key, what
+//! was found and what was expected. [`Reading`] takes what can be read and keeps the problems, for a window that shows
+//! them where they are. Texts are changed in place: comments and layout survive.
 
 mod check;
 mod consistency;

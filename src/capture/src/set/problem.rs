@@ -1,6 +1,7 @@
 //! What is wrong with a capture set, and where.
 
-use std::{fmt, io, path::PathBuf};
+use std::path::{Path, PathBuf};
+use std::{fmt, io};
 
 use thiserror::Error;
 
@@ -84,7 +85,8 @@ impl Problem {
     }
 }
 
-/// `[[shot]] exposure: expected a positive number, found 0`; without a line to point at, the part's number follows its header.
+/// `[[shot]] exposure: expected a positive number, found 0`; without a line to point at, the part's number follows its
+/// header.
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.location != Location::Set {
@@ -145,7 +147,7 @@ impl SetError {
     }
 }
 
-fn first_of(path: &std::path::Path, problems: &[Problem]) -> String {
+fn first_of(path: &Path, problems: &[Problem]) -> String {
     let mut line = path.display().to_string();
     if let Some(first) = problems.first() {
         if let Some(position) = first.position {

@@ -1,5 +1,6 @@
 //! Reads the text of a capture set file.
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -106,7 +107,7 @@ impl Reading {
 
         // What lies between parts is judged only when every part could be read: one misspelt light is one problem.
         let complete = reader.problems.is_empty();
-        let unread: Vec<Location> = reader.problems.iter().map(|problem| problem.location).collect();
+        let unread: HashSet<Location> = reader.problems.iter().map(|problem| problem.location).collect();
         let meaning = if complete { set.check() } else { set.check_parts() };
         for problem in meaning.into_iter().filter(|problem| !unread.contains(&problem.location)) {
             reader.report(problem);

@@ -1,5 +1,6 @@
 //! Writes a capture set, into a new text or into the one it came from.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
@@ -36,7 +37,8 @@ impl CaptureSet {
         let path = self.file_path();
         let text = match std::fs::read_to_string(&path) {
             Ok(old_text) => update_text(&old_text, self),
-            Err(_) => self.to_toml(),
+            Err(reason) if reason.kind() == ErrorKind::NotFound => self.to_toml(),
+            Err(reason) => return Err(WriteError::Refused { path, reason }),
         };
         write_file(&path, text.as_bytes())
     }

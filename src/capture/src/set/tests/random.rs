@@ -7,6 +7,7 @@ use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
+use proptest::test_runner::RngSeed;
 
 use super::{FULL, parse};
 use crate::set::{
@@ -72,9 +73,10 @@ fn shot() -> impl Strategy<Value = Shot> {
 }
 
 fn sphere() -> impl Strategy<Value = Sphere> {
-    (word(), word(), [number(), number()], number()).prop_map(|(subject, kind, centre, radius)| {
-        // Only a ball in the scene, or shots that show no ball, leave the kind open.
-        Sphere { subject, kind, circle: Circle { centre, radius } }
+    (word(), word(), [number(), number()], number()).prop_map(|(subject, kind, centre, radius)| Sphere {
+        subject,
+        kind,
+        circle: Circle { centre, radius },
     })
 }
 
@@ -121,7 +123,7 @@ fn read(text: &str) -> Reading {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { rng_seed: proptest::test_runner::RngSeed::Fixed(20), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 64, rng_seed: RngSeed::Fixed(20), ..ProptestConfig::default() })]
 
     #[test]
     fn what_is_written_is_what_is_read(set in set()) {
@@ -182,4 +184,21 @@ proptest! {
         prop_assert_eq!(read(&update_text(&text, &reading.set)).set, reading.set);
         let _ = write_calibration(&text, &parse(FULL).calibration, &[]);
     }
+}
+
+#[test]
+fn a_text_nested_without_end_is_refused() {
+    for (open, close) in [("[", "]"), ("{ a = ", " }"), ("a.", "")] {
+        let deep = 20_000;
+        let text = if open == "a." {
+            format!("{}a = 1", open.repeat(deep))
+        } else {
+            format!("schema = {}1{}", open.repeat(deep), close.repeat(deep))
+        };
+        let reading = read(&text);
+        assert!(!reading.problems.is_empty());
+        assert_eq!(read(&update_text(&text, &parse(FULL))).set, parse(FULL));
+    }
+    let header = format!("[{}a]\n", "a.".repeat(20_000));
+    assert!(!read(&header).problems.is_empty());
 }

@@ -189,8 +189,9 @@ fn a_light_with_a_colour_missing_is_named() {
     let green =
         "[[shot]]\nsubject = \"object\"\nlight = \"left\"\ncolour = \"green\"\nfiles = [\"object/left-1.png\"]\n";
     refuses(green, "", "[[light]]", &["[[light]] \"left\" has no \"green\" object shot"]);
-    let grey = "[[shot]]\nsubject = \"grey-sphere\"\nlight = \"left\"\ncolour = \"green\"\nfiles = [\"grey/left-green.png\"]\n";
-    refuses(grey, "", "[[light]]", &["\"left\" has no \"green\" grey-sphere shot"]);
+    let grey = "light = \"left\"\ncolour = \"green\"\nfiles = [\"grey/left-green.png\"]\n";
+    let grey = format!("[[shot]]\nsubject = \"grey-sphere\"\n{grey}");
+    refuses(&grey, "", "[[light]]", &["\"left\" has no \"green\" grey-sphere shot"]);
     refuses(
         "[[shot]]",
         "[[light]]\nname = \"low\"\n[[shot]]",

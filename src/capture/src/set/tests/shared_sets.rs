@@ -6,7 +6,7 @@ use crate::set::{CaptureSet, Channel, Projection, Subject, write_calibration};
 
 /// Colours, lights, shots and circles of each.
 const SETS: [(&str, [usize; 4]); 5] = [
-    ("birdbath-dslr", [2, 3, 15, 3]),
+    ("birdbath-dslr", [2, 3, 21, 3]),
     ("bowl-four", [4, 3, 39, 3]),
     ("corner-blue", [2, 3, 21, 3]),
     ("groove-rgb", [3, 4, 40, 3]),
