@@ -3,9 +3,10 @@
 mod pictures;
 
 use firstbounce_capture::image_file::{
-    Channel, Content, ExrLayer, Format, GreenAxis, ImageError, ImageFile, ImageWarning, ReadOptions, grey16_png,
-    layer_names, normals_png, preview_png, read_image, read_image_as, read_mask, write_exr,
+    Content, ExrLayer, Format, GreenAxis, ImageError, ImageFile, ImageWarning, ReadOptions, grey16_png, layer_names,
+    normals_png, preview_png, read_image, read_image_as, read_mask, write_exr,
 };
+use firstbounce_capture::set::Channel;
 use firstbounce_core::Plane;
 use image::{DynamicImage, ImageFormat};
 use pictures::*;

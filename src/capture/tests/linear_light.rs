@@ -5,9 +5,10 @@ mod pictures;
 use std::path::PathBuf;
 
 use firstbounce_capture::image_file::{
-    Channel, Corrections, Encoding, Format, ImageError, ImageFile, LinearOptions, StoredRange, dark_frame, flat_field,
-    linearise, linearise_files,
+    Corrections, Format, ImageError, ImageFile, LinearOptions, StoredRange, dark_frame, flat_field, linearise,
+    linearise_files,
 };
+use firstbounce_capture::set::{Channel, Encoding};
 use firstbounce_core::Plane;
 use firstbounce_core::photo::{CLIPPED, DARK};
 use pictures::{Folder, grey16_tiff};
@@ -21,8 +22,7 @@ fn grey(stored: &[f32], maximum: Option<f32>) -> ImageFile {
 }
 
 fn rgb(stored: &[&[f32]], maximum: Option<f32>) -> ImageFile {
-    let names: &[Channel] =
-        if stored.len() == 1 { &[Channel::Grey] } else { &[Channel::R, Channel::G, Channel::B] };
+    let names: &[Channel] = if stored.len() == 1 { &[Channel::Grey] } else { &[Channel::R, Channel::G, Channel::B] };
     let plane = |values: &[f32]| Plane::from_vec(values.len(), 1, values.to_vec()).unwrap();
     ImageFile {
         path: PathBuf::from("object/left.png"),

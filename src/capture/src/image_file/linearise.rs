@@ -63,7 +63,7 @@ impl LinearOptions {
         }
         demand(self.exposure.is_finite() && self.exposure > 0.0, "exposure", self.exposure, "a number above 0")?;
         if let Encoding::Gamma(gamma) = self.encoding {
-            demand((0.1..=10.0).contains(&gamma), "gamma", gamma, "0.1 to 10")?;
+            demand((0.1..=10.0).contains(&gamma), "gamma", gamma as f32, "0.1 to 10")?;
         }
         if let Some(sigma) = self.noise_floor {
             demand((0.0..1.0).contains(&sigma), "noise_floor", sigma, "0 to 1")?;

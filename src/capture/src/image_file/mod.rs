@@ -4,7 +4,6 @@
 //! the pixels that must not be used. What a file is, its first bytes decide, never its name.
 
 mod correction;
-mod encoding;
 mod error;
 mod exr_in;
 mod exr_out;
@@ -22,8 +21,9 @@ use std::path::PathBuf;
 
 use firstbounce_core::Plane;
 
+use crate::set::{Channel, Encoding};
+
 pub use correction::{Corrections, DarkFrame, FlatField, dark_frame, flat_field};
-pub use encoding::Encoding;
 pub use error::ImageError;
 pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
@@ -72,30 +72,6 @@ impl fmt::Display for Format {
             Self::Jpeg => "JPEG",
             Self::Hdr => "HDR",
             Self::Pfm => "PFM",
-        })
-    }
-}
-
-/// One channel of a picture, by its name in a capture file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// "r"
-    Red,
-    /// "g"
-    Green,
-    /// "b"
-    Blue,
-    /// "grey": in a file, its only channel; in a request, the mean of what the file has.
-    Grey,
-}
-
-impl fmt::Display for Channel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Red => "r",
-            Self::Green => "g",
-            Self::Blue => "b",
-            Self::Grey => "grey",
         })
     }
 }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use firstbounce_core::Mesh;
 
 use super::{AXES, unit, write_all};
-use crate::image_file::Encoding;
+use crate::set::Encoding;
 
 /// Writes `v x y z r g b`, `vn` and `f a//a b//b c//c` lines; normals and colours only where the mesh has them.
 ///

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use firstbounce_core::Mesh;
 
 use super::{AXES, unit, write_all};
-use crate::image_file::Encoding;
+use crate::set::Encoding;
 
 /// Writes float x, y, z, then nx, ny, nz and uchar red, green, blue where the mesh has them, and triangles of int.
 ///

@@ -7,6 +7,7 @@
 mod check;
 mod consistency;
 mod edit;
+mod encoding;
 mod fields;
 mod model;
 mod problem;

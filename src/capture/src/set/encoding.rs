@@ -1,16 +1,6 @@
-//! How stored values follow from light.
+//! The curve between light and what a file stores, both scaled to 0..1.
 
-/// The curve between light and what a file stores, both scaled to 0..1.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Encoding {
-    /// Stored values are proportional to light.
-    #[default]
-    Linear,
-    /// IEC 61966-2-1.
-    Srgb,
-    /// stored = light^(1 / gamma).
-    Gamma(f32),
-}
+use super::model::Encoding;
 
 impl Encoding {
     /// Light from a stored value. Below 0 the linear toe of sRGB goes on, and a gamma curve is mirrored, so that noise
@@ -20,7 +10,7 @@ impl Encoding {
             Self::Linear => stored,
             Self::Srgb if stored <= 0.04045 => stored / 12.92,
             Self::Srgb => ((stored + 0.055) / 1.055).powf(2.4),
-            Self::Gamma(gamma) => stored.abs().powf(gamma).copysign(stored),
+            Self::Gamma(gamma) => stored.abs().powf(gamma as f32).copysign(stored),
         }
     }
 
@@ -30,7 +20,7 @@ impl Encoding {
             Self::Linear => light,
             Self::Srgb if light <= 0.003_130_8 => light * 12.92,
             Self::Srgb => 1.055 * light.powf(1.0 / 2.4) - 0.055,
-            Self::Gamma(gamma) => light.abs().powf(1.0 / gamma).copysign(light),
+            Self::Gamma(gamma) => light.abs().powf(1.0 / gamma as f32).copysign(light),
         }
     }
 }
