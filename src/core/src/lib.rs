@@ -5,6 +5,7 @@
 //! the light; lengths in mm. Pixels: x right, y down, the centre of the top left pixel is (0.5, 0.5).
 
 pub mod camera;
+pub mod depth;
 pub mod mask;
 pub mod mesh;
 pub mod normal_map;
