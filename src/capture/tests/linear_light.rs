@@ -67,7 +67,7 @@ proptest! {
         black in 0.0_f32..20.0,
         white in 200.0_f32..255.0,
         exposure in 0.1_f32..10.0,
-        encoding in prop_oneof![Just(Encoding::Linear), Just(Encoding::Srgb), (1.0_f32..3.0).prop_map(Encoding::Gamma)],
+        encoding in prop_oneof![Just(Encoding::Linear), Just(Encoding::Srgb), (1.0..3.0).prop_map(Encoding::Gamma)],
     ) {
         let (dark, bright) = (encoding.decode(black / 255.0), encoding.decode(white / 255.0));
         let stored = 255.0 * encoding.encode(dark + light * (bright - dark));
@@ -192,7 +192,7 @@ fn options_and_sizes_are_checked() {
     assert!(default.check().is_ok());
     assert!(bad(LinearOptions { exposure: 0.0, ..default }));
     assert!(bad(LinearOptions { white_level: Some(5.0), black_level: 5.0, ..default }));
-    assert!(bad(LinearOptions { encoding: Encoding::Gamma(f32::NAN), ..default }));
+    assert!(bad(LinearOptions { encoding: Encoding::Gamma(f64::NAN), ..default }));
     assert!(bad(LinearOptions { dark_below: 1.0, ..default }));
     let sizes = [grey(&[1.0, 2.0], None), grey(&[1.0], None)];
     let error = linearise(files(&sizes), &default, &Corrections::default()).unwrap_err();

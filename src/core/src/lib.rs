@@ -6,6 +6,7 @@
 
 mod block;
 pub mod camera;
+pub mod depth;
 pub mod evaluate;
 pub mod mask;
 pub mod mesh;
@@ -15,6 +16,7 @@ pub mod normals;
 pub mod photo;
 pub mod plane;
 pub mod separate;
+pub mod shape;
 pub mod watch;
 
 pub use camera::{Camera, Projection};
