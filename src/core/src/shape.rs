@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use crate::{NormalMap, Projection, Unwatched};
 
-    /// A shallow bowl under three near lamps and a pinhole: the shape comes back although every pixel sees the lamps
+    /// A bowl under three near lamps and a pinhole: the shape comes back although every pixel sees the lamps
     /// from its own place.
     #[test]
     fn near_lamps_converge_in_three_rounds() {
@@ -156,14 +156,14 @@ mod tests {
             working_distance_mm: 400.0,
         };
         let camera = Camera { projection, size };
-        // z = 0.002 (x^2 + y^2) - mean: intersect each pixel's ray with it by fixed-point steps.
-        let surface = |p: Point3<f64>| 0.002 * (p.x * p.x + p.y * p.y) - 4.0;
+        // z = 0.01 (x^2 + y^2) - mean: intersect each pixel's ray with it by fixed-point steps.
+        let surface = |p: Point3<f64>| 0.01 * (p.x * p.x + p.y * p.y) - 8.3;
         let point = |x: usize, y: usize| {
             (0..30).fold(camera.point_mm(x as f64 + 0.5, y as f64 + 0.5, 0.0), |p, _| {
                 camera.point_mm(x as f64 + 0.5, y as f64 + 0.5, surface(p))
             })
         };
-        let normal = |p: Point3<f64>| Vector3::new(-0.004 * p.x, -0.004 * p.y, 1.0).normalize();
+        let normal = |p: Point3<f64>| Vector3::new(-0.02 * p.x, -0.02 * p.y, 1.0).normalize();
         let plane = |value: &dyn Fn(Point3<f64>) -> f64| Plane::from_fn(size.0, size.1, |x, y| value(point(x, y)) as f32);
         let truth = [0, 1, 2].map(|axis| plane(&|p| normal(p)[axis]));
         let [x, y, z] = truth;
@@ -184,7 +184,7 @@ mod tests {
         };
         let error = |shape: &Shape| shape.normals.map.angular_error(&truth, &mask).unwrap().mean_deg;
         let (one, four) = (solve(1), solve(4));
-        assert!(error(&four) < 0.05, "{} degrees", error(&four));
+        assert!(error(&four) < 0.3, "{} degrees", error(&four));
         assert!(error(&four) < 0.3 * error(&one), "{} then {}", error(&one), error(&four));
         let changes = &four.report.depth_changes;
         assert!(changes.windows(2).all(|pair| pair[1] < 0.5 * pair[0]), "{changes:?}");
