@@ -1,5 +1,7 @@
 //! Bad pictures and bad disks get one line that names the file and says what to do.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
 mod pictures;
 
 use std::path::Path;

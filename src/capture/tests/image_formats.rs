@@ -1,5 +1,7 @@
 //! What was put into a file comes out of it, to the last bit where the format allows.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
 mod pictures;
 
 use firstbounce_capture::image_file::{
@@ -74,7 +76,7 @@ fn alpha_is_dropped() {
 
 #[test]
 fn palette_and_one_bit_png_come_out_as_eight_bits() {
-    // 16 x 1, one bit a pixel, and 4 x 1 with two bits of palette; both made by libpng's own rules by hand in `png`.
+    // 16 x 1 with one bit a pixel, then 4 x 1 with two bits that name a colour of the palette.
     let one_bit = png_of(16, 1, png::ColorType::Grayscale, png::BitDepth::One, None, &[0b1010_0000, 0b0000_0001]);
     let folder = Folder::new();
     let image = read_image(&folder.file("mask.png", &one_bit)).unwrap();

@@ -1,5 +1,7 @@
 //! Stored values become the light that they were made from.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
 mod pictures;
 
 use std::path::PathBuf;

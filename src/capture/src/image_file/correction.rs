@@ -38,9 +38,9 @@ pub struct DarkFrame {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatField {
     /// The mean of the flat field over its value; 0 where it is bad.
-    pub(super) inverse: Plane,
+    inverse: Plane,
     /// Where the flat field is clipped or dark, and photos are so too.
-    pub(super) marks: Vec<u8>,
+    marks: Vec<u8>,
 }
 
 /// Averages dark frames. `options` are those of the photos; the exposure is not divided by.
@@ -109,6 +109,17 @@ impl Corrections<'_> {
             }
         }
         Ok(())
+    }
+}
+
+impl FlatField {
+    pub(super) fn divide_row(&self, y: usize, light: &mut [f32], marks: &mut [u8]) {
+        let inverse = self.inverse.row(y);
+        let bad = &self.marks[y * inverse.len()..];
+        for ((light, mark), (inverse, bad)) in light.iter_mut().zip(marks).zip(inverse.iter().zip(bad)) {
+            *light *= inverse;
+            *mark |= bad;
+        }
     }
 }
 

@@ -79,7 +79,7 @@ fn failed(source: &Source, error: ExrError) -> ImageError {
     }
 }
 
-/// The headers, once it is sure that all their pixels may be allocated.
+/// The headers, once it is sure that the pixels of all layers, which are decoded together, may be allocated.
 fn headers(source: &Source) -> Result<Vec<Header>, ImageError> {
     let meta = MetaData::read_from_buffered(source.bytes, false).map_err(|error| failed(source, error))?;
     let mut samples = 0_usize;
@@ -143,8 +143,8 @@ fn pick_channels(source: &Source, layer: &Layer) -> Result<Vec<(Channel, usize)>
     }
     let others: Vec<_> = layer.channels.iter().filter(|(name, _)| !name.eq_ignore_ascii_case("A")).collect();
     match (find("Y"), others.as_slice()) {
-        (Some(luminance), _) => Ok(vec![(Channel::Grey, luminance)]),
-        (None, [(_, only)]) => Ok(vec![(Channel::Grey, *only)]),
+        (Some(luminance), _) if find("X").is_none() => Ok(vec![(Channel::Grey, luminance)]),
+        (_, [(_, only)]) => Ok(vec![(Channel::Grey, *only)]),
         _ => {
             let names = layer.channels.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
             Err(source.unsupported(Format::Exr, format_args!("neither R, G, B nor Y nor one channel, but {names}")))

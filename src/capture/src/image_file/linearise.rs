@@ -124,21 +124,18 @@ pub fn linearise<I: Borrow<ImageFile>>(
     }
     let noise = average.noise();
     let dark_below = dark_threshold(options, corrections, average.repeats);
-    let (width, height) = average.mean.size();
-    let flat = corrections.flat;
+    let width = average.mean.width();
     average.mean.data_mut().par_chunks_mut(width).zip(average.marks.par_chunks_mut(width)).enumerate().for_each(
         |(y, (light, marks))| {
-            for (x, (light, mark)) in light.iter_mut().zip(marks).enumerate() {
+            for (light, mark) in light.iter_mut().zip(marks.iter_mut()) {
                 *mark |= if *light < dark_below { DARK } else { 0 };
-                if let Some(flat) = flat {
-                    *light *= flat.inverse.row(y)[x];
-                    *mark |= flat.marks[y * width + x];
-                }
                 *light /= options.exposure;
+            }
+            if let Some(flat) = corrections.flat {
+                flat.divide_row(y, light, marks);
             }
         },
     );
-    debug_assert_eq!(average.marks.len(), width * height);
     let photo = Photo { linear: average.mean, marks: average.marks };
     Ok(LinearLight { photo, repeats: average.repeats, noise, dark_below, warnings: average.warnings })
 }
@@ -149,37 +146,47 @@ fn dark_threshold(options: &LinearOptions, corrections: &Corrections, repeats: u
 }
 
 /// From stored values of one file to fractions of the range from black to white.
-pub(super) struct Scale {
+pub(super) struct Scale<'a> {
+    planes: Vec<&'a Plane>,
     encoding: Encoding,
     full_scale: f32,
     black: f32,
-    per_range: f32,
+    /// What a decoded step counts in the mean over the planes.
+    share: f32,
     clips_at: f32,
 }
 
-impl Scale {
-    pub fn new(options: &LinearOptions, image: &ImageFile) -> Result<Self, ImageError> {
+impl<'a> Scale<'a> {
+    pub fn new(options: &LinearOptions, image: &'a ImageFile) -> Result<Self, ImageError> {
         let clips = options.white_level.or(image.stored.maximum);
         let white_level = clips.unwrap_or(1.0);
         LinearOptions { white_level: Some(white_level), ..*options }.check()?;
+        let planes = image.pick(options.channel)?;
         let full_scale = full_scale(white_level);
         let decode = |stored: f32| options.encoding.decode(stored / full_scale);
         let black = decode(options.black_level);
-        let per_range = 1.0 / (decode(white_level) - black);
+        let share = 1.0 / (planes.len() as f32 * (decode(white_level) - black));
         let clips_at = clips.unwrap_or(f32::INFINITY);
-        Ok(Self { encoding: options.encoding, full_scale, black, per_range, clips_at })
+        Ok(Self { planes, encoding: options.encoding, full_scale, black, share, clips_at })
     }
 
-    /// Light and mark of pixel `index`: the mean over `planes`, clipped if any of them is.
-    pub fn pixel(&self, planes: &[&Plane], index: usize) -> (f32, u8) {
-        let mut sum = 0.0;
-        let mut mark = 0;
-        for plane in planes {
-            let stored = plane.data()[index];
-            sum += self.encoding.decode(stored / self.full_scale) - self.black;
-            mark |= if stored >= self.clips_at { CLIPPED } else { 0 };
+    /// Sets `light` to row `y`, the mean over the planes, and marks what is clipped in any of them.
+    pub fn row(&self, y: usize, light: &mut [f32], marks: &mut [u8]) {
+        light.fill(0.0);
+        for plane in &self.planes {
+            match self.encoding {
+                // Apart, so that the compiler sees a loop without a branch.
+                Encoding::Linear => self.add_row(plane.row(y), light, marks, |stored| stored),
+                encoding => self.add_row(plane.row(y), light, marks, |stored| encoding.decode(stored)),
+            }
         }
-        (sum / planes.len() as f32 * self.per_range, mark)
+    }
+
+    fn add_row(&self, stored: &[f32], light: &mut [f32], marks: &mut [u8], decode: impl Fn(f32) -> f32) {
+        for ((light, mark), &stored) in light.iter_mut().zip(marks).zip(stored) {
+            *light += (decode(stored / self.full_scale) - self.black) * self.share;
+            *mark |= if stored >= self.clips_at { CLIPPED } else { 0 };
+        }
     }
 }
 

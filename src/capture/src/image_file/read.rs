@@ -144,7 +144,8 @@ impl Source<'_> {
         }
     }
 
-    /// Decoders meet bytes that nobody meant for them, and some panic; then the file is damaged and the work goes on.
+    /// Decoders meet bytes that nobody meant for them, and hold an `expect` or an index here and there: should one panic,
+    /// the file is damaged and the work goes on.
     pub fn guarded<T>(&self, format: Format, decode: impl FnOnce() -> Result<T, ImageError>) -> Result<T, ImageError> {
         catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| Err(self.damaged(format, "the decoder gave up")))
     }
@@ -207,4 +208,16 @@ fn refuse_bad_pixels<'a>(
     };
     let (x, y) = (position % plane.width(), position / plane.width());
     Err(ImageError::BadPixels { path: path.to_path_buf(), kind, count: found, x, y })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_decoder_that_panics_is_a_damaged_file() {
+        let source = Source { path: Path::new("left.exr"), bytes: b"" };
+        let result = source.guarded::<()>(Format::Exr, || panic!("a decoder's own bug"));
+        assert!(matches!(result, Err(ImageError::Damaged { format: Format::Exr, .. })));
+    }
 }

@@ -1,6 +1,7 @@
 //! The average of repeats of one picture, and what their differences tell about noise.
 
 use std::borrow::Borrow;
+use std::path::PathBuf;
 
 use firstbounce_core::Plane;
 use firstbounce_core::photo::CLIPPED;
@@ -41,7 +42,7 @@ pub(super) struct Average {
     spread: Option<Vec<f32>>,
     pub marks: Vec<u8>,
     pub repeats: usize,
-    pub first: std::path::PathBuf,
+    pub first: PathBuf,
     pub warnings: Vec<ImageWarning>,
 }
 
@@ -63,17 +64,11 @@ impl Average {
 
     fn start(image: &ImageFile, options: &LinearOptions) -> Result<Self, ImageError> {
         let scale = Scale::new(options, image)?;
-        let planes = image.pick(options.channel)?;
         let (width, height) = image.size();
         let mut mean = Plane::filled(width, height, 0.0);
         let mut marks = vec![0; width * height];
-        mean.data_mut().par_chunks_mut(width).zip(marks.par_chunks_mut(width)).enumerate().for_each(
-            |(y, (mean, marks))| {
-                for (x, (mean, mark)) in mean.iter_mut().zip(marks).enumerate() {
-                    (*mean, *mark) = scale.pixel(&planes, y * width + x);
-                }
-            },
-        );
+        let rows = mean.data_mut().par_chunks_mut(width).zip(marks.par_chunks_mut(width));
+        rows.enumerate().for_each(|(y, (mean, marks))| scale.row(y, mean, marks));
         let (first, warnings) = (image.path.clone(), image.warnings.clone());
         Ok(Self { mean, spread: None, marks, repeats: 1, first, warnings })
     }
@@ -81,21 +76,20 @@ impl Average {
     /// Welford's update: stable in f32, in one pass.
     fn add(&mut self, image: &ImageFile, options: &LinearOptions) -> Result<(), ImageError> {
         let scale = Scale::new(options, image)?;
-        let planes = image.pick(options.channel)?;
         check_same_size(image, &self.mean, &self.first.display().to_string())?;
         self.repeats += 1;
         let share = 1.0 / self.repeats as f32;
         let width = self.mean.width();
         let spread = self.spread.get_or_insert_with(|| vec![0.0; self.marks.len()]);
-        let means = self.mean.data_mut().par_chunks_mut(width);
-        means.zip(spread.par_chunks_mut(width)).zip(self.marks.par_chunks_mut(width)).enumerate().for_each(
-            |(y, ((means, spreads), marks))| {
-                for (x, ((mean, spread), mark)) in means.iter_mut().zip(spreads).zip(marks).enumerate() {
-                    let (light, clipped) = scale.pixel(&planes, y * width + x);
+        let rows = self.mean.data_mut().par_chunks_mut(width);
+        rows.zip(spread.par_chunks_mut(width)).zip(self.marks.par_chunks_mut(width)).enumerate().for_each_init(
+            || vec![0.0; width],
+            |light, (y, ((means, spreads), marks))| {
+                scale.row(y, light, marks);
+                for ((mean, spread), &light) in means.iter_mut().zip(spreads).zip(light.iter()) {
                     let change = light - *mean;
                     *mean += change * share;
                     *spread += change * (light - *mean);
-                    *mark |= clipped;
                 }
             },
         );
