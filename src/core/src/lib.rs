@@ -5,6 +5,7 @@
 //! the light; lengths in mm. Pixels: x right, y down, the centre of the top left pixel is (0.5, 0.5).
 
 pub mod ball;
+pub mod calibrate;
 pub mod interval;
 pub mod mask;
 pub mod mesh;

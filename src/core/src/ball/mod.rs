@@ -11,6 +11,7 @@ mod rim;
 mod vote;
 
 pub use find::{CircleOptions, find_circle, refine_circle};
+pub(crate) use geometry::seen_from_centre;
 pub use geometry::{Ball, SurfacePoint, View};
 
 use crate::interval::Interval;

@@ -5,6 +5,7 @@ use firstbounce_core::{
     photo::{CLIPPED, DARK},
 };
 use image::DynamicImage;
+use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 
 /// A rendered set: one file a light and colour, or one RGB file a light.
@@ -17,6 +18,9 @@ pub struct Set {
     pub black_level: f32,
     pub centre_px: f64,
     pub radius_px: f64,
+    /// Near lamps only: the ball's size in the lamps' unit.
+    pub ball_radius_mm: f64,
+    pub lamp_distance_radii: Option<f64>,
 }
 
 pub const SETS: [Set; 4] = [
@@ -28,6 +32,8 @@ pub const SETS: [Set; 4] = [
         black_level: 0.0,
         centre_px: 100.0,
         radius_px: 83.333,
+        ball_radius_mm: 0.0,
+        lamp_distance_radii: None,
     },
     Set {
         name: "groove-rgb",
@@ -37,6 +43,8 @@ pub const SETS: [Set; 4] = [
         black_level: 512.0,
         centre_px: 100.0,
         radius_px: 83.333,
+        ball_radius_mm: 0.0,
+        lamp_distance_radii: None,
     },
     Set {
         name: "bowl-four",
@@ -46,6 +54,8 @@ pub const SETS: [Set; 4] = [
         black_level: 0.0,
         centre_px: 100.0,
         radius_px: 83.333,
+        ball_radius_mm: 0.0,
+        lamp_distance_radii: None,
     },
     Set {
         name: "birdbath-dslr",
@@ -55,6 +65,9 @@ pub const SETS: [Set; 4] = [
         black_level: 512.0,
         centre_px: 120.0,
         radius_px: 100.0,
+        // 100 px at 1200 mm with a focal length of 3400 px.
+        ball_radius_mm: 35.294,
+        lamp_distance_radii: Some(1500.0 / 35.294),
     },
 ];
 
@@ -70,7 +83,36 @@ pub fn shared_data() -> Option<PathBuf> {
     Some(data)
 }
 
+/// What a set was rendered with, by light in the set's order.
+pub struct Truth {
+    pub alpha: Vec<Vec<f64>>,
+    pub beta: Vec<f64>,
+    pub intensity: Vec<f64>,
+    pub direction: Vec<Vector3<f64>>,
+    /// Empty for distant lamps.
+    pub position_mm: Vec<Vector3<f64>>,
+}
+
 impl Set {
+    pub fn truth(&self, data: &Path) -> Truth {
+        let text = std::fs::read_to_string(data.join(self.name).join("truth/rig.json")).unwrap();
+        let rig: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let numbers = |value: &serde_json::Value| -> Vec<f64> {
+            value.as_array().into_iter().flatten().map(|v| v.as_f64().unwrap()).collect()
+        };
+        let vectors = |key: &str| -> Vec<Vector3<f64>> {
+            let of_light = |light: &&str| numbers(&rig[key][*light]);
+            self.lights.iter().map(of_light).filter(|v| v.len() == 3).map(|v| Vector3::new(v[0], v[1], v[2])).collect()
+        };
+        Truth {
+            alpha: self.lights.iter().map(|light| numbers(&rig["alpha"][*light])).collect(),
+            beta: numbers(&rig["beta"]),
+            intensity: self.lights.iter().map(|light| rig["intensity"][*light].as_f64().unwrap()).collect(),
+            direction: vectors("direction"),
+            position_mm: vectors("position_mm"),
+        }
+    }
+
     /// The photo of a grey or material ball under a light, in the colour of this index.
     pub fn photo(&self, data: &Path, subject: &str, light: &str, colour: usize) -> Photo {
         let (name, exposure) = self.colours[colour];
@@ -111,6 +153,14 @@ pub fn cat_mirror(data: &Path, lamp: usize) -> Photo {
     let size = (rgb.width() as usize, rgb.height() as usize);
     let linear = rgb.pixels().map(|p| p.0.into_iter().map(decoded).sum::<f32>() / 3.0).collect();
     photo(size, linear, rgb.pixels().map(|p| (p.0.contains(&255), p.0.into_iter().all(|v| v < 3))))
+}
+
+/// Directions to the lamps of the real photos as another toolbox found them: rows x, y, z, one column a lamp.
+pub fn cat_directions(data: &Path) -> Vec<Vector3<f64>> {
+    let text = std::fs::read_to_string(data.join("psbox-cat/reference_directions.txt")).unwrap();
+    let numbers: Vec<f64> = text.split_whitespace().map(|word| word.parse().unwrap()).collect();
+    let row = |axis: usize, lamp: usize| numbers[axis * CAT_LAMPS + lamp];
+    (0..CAT_LAMPS).map(|lamp| Vector3::new(row(0, lamp), row(1, lamp), row(2, lamp))).collect()
 }
 
 fn photo((width, height): (usize, usize), linear: Vec<f32>, bad: impl Iterator<Item = (bool, bool)>) -> Photo {
