@@ -3,6 +3,8 @@
 pub mod atomic;
 pub mod image_file;
 pub mod mesh_file;
+pub mod pipeline;
+pub mod report;
 pub mod set;
 
 pub use atomic::{OutputFolder, WriteError};

@@ -4,10 +4,13 @@
 //! struct. Frame: x right, y up, z from the object toward the camera; a light direction points from the object to
 //! the light; lengths in mm. Pixels: x right, y down, the centre of the top left pixel is (0.5, 0.5).
 
+pub mod ball;
 mod block;
+pub mod calibrate;
 pub mod camera;
 pub mod depth;
 pub mod evaluate;
+pub mod interval;
 pub mod mask;
 pub mod mesh;
 pub mod noise;

@@ -83,6 +83,8 @@ pub struct LinearLight {
     pub noise: Option<RepeatNoise>,
     /// Below this fraction of the range from black to white pixels were marked dark.
     pub dark_below: f32,
+    /// From one stored integer to the next in linear light, in the middle of the range; 0 for floats.
+    pub quantisation_step: f32,
     /// The warnings of all files.
     pub warnings: Vec<ImageWarning>,
 }
@@ -137,7 +139,15 @@ pub fn linearise<I: Borrow<ImageFile>>(
         },
     );
     let photo = Photo { linear: average.mean, marks: average.marks };
-    Ok(LinearLight { photo, repeats: average.repeats, noise, dark_below, warnings: average.warnings })
+    let quantisation_step = average.step / options.exposure;
+    Ok(LinearLight {
+        photo,
+        repeats: average.repeats,
+        noise,
+        dark_below,
+        quantisation_step,
+        warnings: average.warnings,
+    })
 }
 
 fn dark_threshold(options: &LinearOptions, corrections: &Corrections, repeats: usize) -> f32 {
@@ -168,6 +178,13 @@ impl<'a> Scale<'a> {
         let share = 1.0 / (planes.len() as f32 * (decode(white_level) - black));
         let clips_at = clips.unwrap_or(f32::INFINITY);
         Ok(Self { planes, encoding: options.encoding, full_scale, black, share, clips_at })
+    }
+
+    /// From one stored integer to the next, in the middle of the range.
+    pub fn step(&self) -> f32 {
+        let middle = (self.full_scale / 2.0).floor();
+        let decode = |stored: f32| self.encoding.decode(stored / self.full_scale);
+        (decode(middle + 1.0) - decode(middle)) * self.share * self.planes.len() as f32
     }
 
     /// Sets `light` to row `y`, the mean over the planes, and marks what is clipped in any of them.

@@ -42,6 +42,8 @@ pub(super) struct Average {
     spread: Option<Vec<f32>>,
     pub marks: Vec<u8>,
     pub repeats: usize,
+    /// From one stored integer to the next, in the middle of the range; 0 for floats.
+    pub step: f32,
     pub first: PathBuf,
     pub warnings: Vec<ImageWarning>,
 }
@@ -70,7 +72,8 @@ impl Average {
         let rows = mean.data_mut().par_chunks_mut(width).zip(marks.par_chunks_mut(width));
         rows.enumerate().for_each(|(y, (mean, marks))| scale.row(y, mean, marks));
         let (first, warnings) = (image.path.clone(), image.warnings.clone());
-        Ok(Self { mean, spread: None, marks, repeats: 1, first, warnings })
+        let step = if image.stored.maximum.is_some() { scale.step() } else { 0.0 };
+        Ok(Self { mean, spread: None, marks, repeats: 1, step, first, warnings })
     }
 
     /// Welford's update: stable in f32, in one pass.

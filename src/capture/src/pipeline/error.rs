@@ -2,14 +2,19 @@
 
 use std::path::PathBuf;
 
+use firstbounce_core::ball::BallError;
+use firstbounce_core::calibrate::CalibrateError;
+use firstbounce_core::depth::DepthError;
+use firstbounce_core::mesh::MeshError;
 use firstbounce_core::normals::NormalsError;
 use firstbounce_core::separate::SeparateError;
+use firstbounce_core::shape::ShapeError;
 use thiserror::Error;
 
 use crate::atomic::WriteError;
 use crate::image_file::ImageError;
 use crate::mesh_file::MeshFileError;
-use crate::set::SetError;
+use crate::set::{Problem, SetError, SphereKind, Subject};
 
 /// Why a run of the pipeline stopped, in one line that says what to do.
 #[derive(Debug, Error)]
@@ -66,13 +71,103 @@ pub enum PipelineError {
         /// The mask's file, if there is one.
         path: Option<PathBuf>,
     },
+    /// A ball that was not found.
+    #[error("{subject}: {reason}")]
+    Ball {
+        /// In which shots.
+        subject: Subject,
+        /// Why.
+        reason: BallError,
+    },
+    /// A ball that cannot be used.
+    #[error("light {light}, {ball} ball: {reason}")]
+    Calibrate {
+        /// Under which light.
+        light: String,
+        /// Which ball.
+        ball: SphereKind,
+        /// Why.
+        reason: CalibrateError,
+    },
+    /// Nothing tells a light's alpha.
+    #[error("nothing tells alpha of light \"{light}\": photograph a grey ball under it in every colour, or type [calibration.alpha]")]
+    NoAlpha {
+        /// The light.
+        light: String,
+    },
+    /// Nothing tells beta.
+    #[error("nothing tells beta: photograph a ball of the object's paint in every colour, or type beta under [calibration]")]
+    NoBeta,
+    /// Colours that cannot tell bounces apart.
+    #[error("{0}")]
+    Beta(Problem),
+    /// Nothing tells where a lamp is.
+    #[error("nothing tells the direction of light \"{light}\": photograph a mirror or grey ball under it, or type its direction")]
+    NoDirection {
+        /// The light.
+        light: String,
+    },
     /// Separation.
     #[error("cannot separate: {0}")]
-    Separate(#[from] SeparateError),
+    Separate(SeparateError),
     /// Photometric stereo.
     #[error("no normals: {0}")]
-    Normals(#[from] NormalsError),
+    Normals(NormalsError),
+    /// Integration.
+    #[error("no depth: {0}")]
+    Depth(DepthError),
+    /// Shape recovery was asked for something impossible.
+    #[error("no shape: {0}")]
+    Shape(ShapeError),
+    /// Triangles.
+    #[error("no mesh: {0}")]
+    Triangles(#[from] MeshError),
+    /// A set without truth.
+    #[error("{}: no true normals to compare with; this set was photographed, not rendered, or its truth is elsewhere: see [truth]", path.display())]
+    NoTruth {
+        /// Where they were looked for.
+        path: PathBuf,
+    },
+    /// True normals or depth of a strange form.
+    #[error("{}: expected an EXR of three channels for normals, one for depth and bounces", path.display())]
+    TruthChannels {
+        /// The file.
+        path: PathBuf,
+    },
+    /// No pixel has both a result and a truth.
+    #[error("no pixel has both a true normal and a normal from every method: check the mask and the truth")]
+    NothingToCompare,
+    /// A report that cannot be written down.
+    #[error("the report could not be written as JSON: {0}")]
+    Json(serde_json::Error),
     /// Somebody cancelled.
     #[error("cancelled; nothing was written")]
     Cancelled,
+}
+
+impl PipelineError {
+    /// A ball under a light that cannot be used.
+    pub(super) fn calibrate(light: &str, ball: SphereKind, reason: CalibrateError) -> Self {
+        Self::Calibrate { light: light.to_owned(), ball, reason }
+    }
+}
+
+impl From<SeparateError> for PipelineError {
+    fn from(error: SeparateError) -> Self {
+        match error {
+            SeparateError::Cancelled => Self::Cancelled,
+            error => Self::Separate(error),
+        }
+    }
+}
+
+impl From<ShapeError> for PipelineError {
+    fn from(error: ShapeError) -> Self {
+        match error {
+            error if error.is_cancelled() => Self::Cancelled,
+            ShapeError::Normals(error) => Self::Normals(error),
+            ShapeError::Depth(error) => Self::Depth(error),
+            error => Self::Shape(error),
+        }
+    }
 }

@@ -75,7 +75,7 @@ pub fn evaluate(
     let size = object.mask.size();
     let truth = true_normals(&set.truth_normals(), size)?;
     let calibrated = calibrate_for(set, bounces, watch)?;
-    let separated = separate_lights(&object, &calibrated, bounces, watch)?;
+    let separated = separate_lights(set, &object, &calibrated, bounces, watch)?;
     let direct = true_bounces(set, 1, size)?;
 
     let camera = camera_of(set, size);

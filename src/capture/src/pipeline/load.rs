@@ -262,7 +262,7 @@ fn noise_of(set: &CaptureSet, shot: &Shot, linear: &LinearLight, mask: &Mask) ->
                 ..frame
             }
         }
-        None => estimate_noise(&linear.photo, mask, linear.quantisation_step),
+        None => estimate_noise(&linear.photo, mask, f64::from(linear.quantisation_step)),
     }
 }
 

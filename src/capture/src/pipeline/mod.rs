@@ -1,11 +1,21 @@
 //! From a capture set to a mesh, stage by stage; the command line and the window run the same stages.
 
+mod calibrate;
 mod cost;
 mod error;
+mod evaluate;
 mod load;
+mod output;
+mod solve;
 mod watch;
 
+pub use calibrate::{BallCircle, Calibrated, Known, Preference, Source, calibrate, calibrate_for};
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
+pub use evaluate::{Angles, Evaluation, NormalErrors, evaluate};
 pub use load::{ObjectPhotos, SubjectPhotos, load_object, load_subject};
+pub use output::{OutputOptions, write_solved};
+pub use solve::{
+    Separated, SolveOptions, Solved, Surfaced, camera_of, lamps, raw_lights, recover, separate_lights, solve, triangulate,
+};
 pub use watch::{PipelineWatch, Stage, Unattended};

@@ -66,7 +66,7 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
     let object = StageCost::measure(&mut stages, Stage::Load, || load_object(set, watch))?;
     let calibrated = StageCost::measure(&mut stages, Stage::Calibrate, || calibrate_for(set, bounces, watch))?;
     let separated =
-        StageCost::measure(&mut stages, Stage::Separate, || separate_lights(&object, &calibrated, bounces, watch))?;
+        StageCost::measure(&mut stages, Stage::Separate, || separate_lights(set, &object, &calibrated, bounces, watch))?;
     let raw = StageCost::measure(&mut stages, Stage::Separate, || raw_lights(&object, watch))?;
 
     let camera = camera_of(set, object.mask.size());
@@ -91,15 +91,16 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
 
 /// Separates every light into `bounces` bounces.
 pub fn separate_lights(
+    set: &CaptureSet,
     object: &ObjectPhotos,
     calibrated: &Calibrated,
     bounces: usize,
     watch: &dyn PipelineWatch,
 ) -> Result<Separated, PipelineError> {
-    let beta = calibrated.beta_values();
+    let beta = calibrated.beta_values()?;
     let mut separated = Separated { lights: Vec::new(), reports: Vec::new() };
     for (l, photos) in object.photos.iter().enumerate() {
-        let alpha = calibrated.alpha_values(l);
+        let alpha = calibrated.alpha_values(set, l)?;
         let photos: Vec<_> = photos.iter().collect();
         let light =
             LightPhotos { photos: &photos, noise: &object.noise[l], alpha: &alpha, beta: &beta, mask: &object.mask };

@@ -1,0 +1,111 @@
+//! Finding the circle of a ball by its outer edge, and what lies on the ball.
+//!
+//! A ball lit from one side shows its edge on the lit half only; where the light ends is no edge of the ball. So all
+//! functions take the photos of several lamps at once and use the edge points of all.
+
+mod edges;
+mod find;
+mod fit;
+mod geometry;
+mod rim;
+mod vote;
+
+pub use find::{CircleOptions, find_circle, refine_circle};
+pub(crate) use geometry::seen_from_centre;
+pub use geometry::{Ball, SurfacePoint, View};
+
+use crate::interval::Interval;
+
+/// The outline of a ball in a photo. Pixel centres lie at .5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circle {
+    /// Centre in pixels, x right, y down.
+    pub centre_px: (f64, f64),
+    /// Radius in pixels.
+    pub radius_px: f64,
+}
+
+impl Circle {
+    /// Distance of a point from the centre, in radii: 1 on the rim.
+    pub fn radii_from_centre(&self, x_px: f64, y_px: f64) -> f64 {
+        (x_px - self.centre_px.0).hypot(y_px - self.centre_px.1) / self.radius_px
+    }
+
+    /// Whether the whole circle lies in an image of this size, to within a pixel.
+    pub fn lies_in(&self, (width, height): (usize, usize)) -> bool {
+        let ((x, y), r) = (self.centre_px, self.radius_px - 1.0);
+        x - r >= 0.0 && y - r >= 0.0 && x + r <= width as f64 && y + r <= height as f64
+    }
+}
+
+/// A circle that was found, and how well it holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CircleReport {
+    /// The circle.
+    pub circle: Circle,
+    /// 95 % interval of the centre, x then y, in pixels.
+    pub centre_interval_px: (Interval, Interval),
+    /// 95 % interval of the radius in pixels.
+    pub radius_interval_px: Interval,
+    /// Standard deviation of the centre (the larger axis) and the radius together, for what is computed from the circle.
+    pub sd_px: f64,
+    /// Root mean square distance of the edge points used from the circle, in pixels.
+    pub residual_rms_px: f64,
+    /// Fraction of the rim on which an edge was seen, 0 to 1.
+    pub rim_seen: f64,
+    /// Edge points that hold the circle.
+    pub points_used: usize,
+    /// Edge points refused because they lie off the circle.
+    pub points_refused: usize,
+}
+
+/// Why no circle was found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BallError {
+    /// There is nothing to look at.
+    #[error("no photo to find a ball in: name at least one photo of it")]
+    NoImage,
+    /// The photos do not lie on one another.
+    #[error("the photos of the ball differ in size: {first:?} and {other:?} pixels; take them with one camera setting")]
+    SizesDiffer {
+        /// Width and height of the first photo.
+        first: (usize, usize),
+        /// Width and height of one that differs.
+        other: (usize, usize),
+    },
+    /// An option is out of its range.
+    #[error("{option} = {value}, but it must be {expected}")]
+    BadOption {
+        /// Name of the field.
+        option: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// Too little of any circle's rim shows.
+    #[error(
+        "no ball found: {}; it takes {:.0} %. Click inside the ball, or draw its circle by hand",
+        candidate(best),
+        needed * 100.0
+    )]
+    NotFound {
+        /// The circle with most support and the fraction of its rim on which an edge was seen.
+        best: Option<(Circle, f64)>,
+        /// The fraction that was asked for.
+        needed: f64,
+    },
+}
+
+fn candidate(best: &Option<(Circle, f64)>) -> String {
+    match best {
+        Some((circle, seen)) => format!(
+            "the best circle (centre {:.0} {:.0}, radius {:.0} px) shows {:.0} % of its rim",
+            circle.centre_px.0,
+            circle.centre_px.1,
+            circle.radius_px,
+            seen * 100.0
+        ),
+        None => "no edge bends like a circle".to_owned(),
+    }
+}
