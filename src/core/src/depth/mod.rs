@@ -10,6 +10,8 @@ mod laplacian;
 mod multigrid;
 mod solve;
 mod steps;
+#[cfg(test)]
+mod tests;
 
 use rayon::prelude::*;
 use thiserror::Error;
@@ -42,8 +44,8 @@ impl DepthOptions {
     /// `DepthError::Option` names the first that is not.
     pub fn check(&self) -> Result<(), DepthError> {
         let refuse = |name, value, expected| Err(DepthError::Option { name, value, expected });
-        if !(self.tolerance >= 1e-12 && self.tolerance < 1.0) {
-            return refuse("tolerance", self.tolerance, "from 1e-12 to below 1");
+        if !(self.tolerance >= 1e-8 && self.tolerance < 1.0) {
+            return refuse("tolerance", self.tolerance, "from 1e-8 to below 1");
         }
         if self.max_iterations == 0 {
             return refuse("max_iterations", 0.0, "at least 1");
