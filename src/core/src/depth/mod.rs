@@ -23,7 +23,7 @@ use steps::{Region, Steps};
 /// How to integrate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthOptions {
-    /// Where to stop: the norm of the residual, and of the error in slope, over those at the start.
+    /// Where to stop: the norm of the residual, and the estimated error in slope, over those at the start; 1e-8 to 1.
     pub tolerance: f64,
     /// Iterations after which to give up.
     pub max_iterations: usize,
@@ -121,7 +121,7 @@ pub struct DepthReport {
     pub iterations: usize,
     /// |b - A z| / |b| of the normal equations.
     pub relative_residual: f64,
-    /// Integrability residual: root mean square difference between the depth's slopes and the normals' (pixels of
+    /// Integrability residual: weighted root mean square difference between the depth's slopes and the normals' (pixels of
     /// height per pixel). Zero where the normals are those of a surface.
     pub rms_slope_residual: f64,
     /// Pixels whose slope was steeper than `max_slope`, or that faced away.

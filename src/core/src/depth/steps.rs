@@ -100,7 +100,13 @@ impl Steps {
         let pixels = (0..slopes.len()).into_par_iter();
         let (right, right_weight) = pixels
             .clone()
-            .map(|i| if (i + 1) % width == 0 { NO_STEP } else { step(&slopes[i], &slopes[i + 1], |slope| slope.right) })
+            .map(|i| {
+                if (i + 1).is_multiple_of(width) {
+                    NO_STEP
+                } else {
+                    step(&slopes[i], &slopes[i + 1], |slope| slope.right)
+                }
+            })
             .unzip();
         let (down, down_weight) = pixels
             .map(|i| slopes.get(i + width).map_or(NO_STEP, |below| step(&slopes[i], below, |slope| slope.down)))
@@ -189,7 +195,8 @@ fn bridge(slopes: &mut [Slope], width: usize, missing: &[usize]) {
                 let known = || neighbours(index, width, slopes.len()).map(|i| slopes[i]).filter(|s| s.confidence > 0.0);
                 let count = known().count() as f32;
                 let mean = |component: fn(&Slope) -> f32| known().map(|slope| component(&slope)).sum::<f32>() / count;
-                let confidence = BRIDGE_CONFIDENCE * known().map(|slope| slope.confidence).fold(0.0, f32::max);
+                let trust = |slope: Slope| if slope.measured { BRIDGE_CONFIDENCE } else { 1.0 } * slope.confidence;
+                let confidence = known().map(trust).fold(0.0, f32::max);
                 let slope = Slope { right: mean(|s| s.right), down: mean(|s| s.down), confidence, ..Slope::default() };
                 (count > 0.0).then_some((index, slope))
             })
@@ -210,8 +217,8 @@ fn bridge(slopes: &mut [Slope], width: usize, missing: &[usize]) {
 
 /// The pixels left, right, above and below.
 fn neighbours(index: usize, width: usize, pixels: usize) -> impl Iterator<Item = usize> {
-    let left = (index % width > 0).then(|| index - 1);
-    let right = ((index + 1) % width > 0).then_some(index + 1);
+    let left = (!index.is_multiple_of(width)).then(|| index - 1);
+    let right = (!(index + 1).is_multiple_of(width)).then_some(index + 1);
     let below = (index + width < pixels).then_some(index + width);
     [left, right, index.checked_sub(width), below].into_iter().flatten()
 }

@@ -1,6 +1,7 @@
 use std::f32::consts::TAU;
 
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use super::*;
 use crate::Unwatched;
@@ -196,6 +197,20 @@ fn a_line_of_pixels_without_normals_does_not_cut_the_surface() {
 }
 
 #[test]
+fn a_wide_hole_in_the_normals_is_bridged() {
+    let [nx, mut ny, mut nz] = normals_of((130, 120), |_, _| (0.4, -0.3)).into_planes();
+    for (x, y) in (10..110).flat_map(|x| (20..100).map(move |y| (x, y))) {
+        ny.set(x, y, f32::NAN);
+        nz.set(x, y, 0.0);
+    }
+    let normals = NormalMap::from_planes(nx, ny, nz).unwrap();
+    let mask = Mask::filled(130, 120, true);
+    let depth = integrate(&normals, &mask, None, &orthographic((130, 120)), &tight(), &Unwatched).unwrap();
+    assert_eq!((depth.report.pixels, depth.report.pixels_without_normal), (130 * 120, 100 * 80));
+    assert!(worst_error(&depth, |x, y| 0.4 * x - 0.3 * y) < 1e-3);
+}
+
+#[test]
 fn pixels_without_confidence_do_not_bend_the_rest() {
     let spoilt = |x: f64, y: f64| (10.0..14.0).contains(&x) && (-14.0..-10.0).contains(&y);
     let normals = normals_of((32, 32), |x, y| if spoilt(x, y) { (5.0, -5.0) } else { (0.2, 0.1) });
@@ -311,7 +326,7 @@ fn nobody_waits_for_a_cancelled_job() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 64, rng_seed: RngSeed::Fixed(7), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn any_quadratic_comes_back_on_any_mask(
