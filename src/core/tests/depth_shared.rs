@@ -1,9 +1,11 @@
 //! Depth from the true normals of the rendered capture sets.
 
+#![allow(clippy::unwrap_used)]
+
 use std::path::{Path, PathBuf};
 
 use exr::prelude::read_first_flat_layer_from_file;
-use firstbounce_core::depth::{Depth, DepthOptions, integrate};
+use firstbounce_core::depth::{DepthOptions, integrate};
 use firstbounce_core::{Camera, Mask, NormalMap, Plane, Projection, Unwatched};
 
 /// The folder of a capture set; `None`, and says so, where the shared data is not there.
@@ -20,7 +22,7 @@ fn set(name: &str) -> Option<PathBuf> {
 fn channels(path: &Path, names: &[&str]) -> Vec<Plane> {
     let layer = read_first_flat_layer_from_file(path).unwrap().layer_data;
     let (width, height) = (layer.size.width(), layer.size.height());
-    let named = |name: &&str| layer.channel_data.list.iter().find(|channel| channel.name.eq(*name)).unwrap();
+    let named = |name: &&str| layer.channel_data.list.iter().find(|channel| channel.name.eq(name)).unwrap();
     let plane = |name| Plane::from_vec(width, height, named(name).sample_data.values_as_f32().collect()).unwrap();
     names.iter().map(plane).collect()
 }

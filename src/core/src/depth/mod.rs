@@ -10,6 +10,8 @@ mod laplacian;
 mod multigrid;
 mod solve;
 mod steps;
+#[cfg(test)]
+mod tests;
 
 use rayon::prelude::*;
 use thiserror::Error;
@@ -21,7 +23,7 @@ use steps::{Region, Steps};
 /// How to integrate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthOptions {
-    /// Where to stop: the norm of the residual, and of the error in slope, over those at the start.
+    /// Where to stop: the norm of the residual, and the estimated error in slope, over those at the start; 1e-8 to 1.
     pub tolerance: f64,
     /// Iterations after which to give up.
     pub max_iterations: usize,
@@ -42,8 +44,8 @@ impl DepthOptions {
     /// `DepthError::Option` names the first that is not.
     pub fn check(&self) -> Result<(), DepthError> {
         let refuse = |name, value, expected| Err(DepthError::Option { name, value, expected });
-        if !(self.tolerance >= 1e-12 && self.tolerance < 1.0) {
-            return refuse("tolerance", self.tolerance, "from 1e-12 to below 1");
+        if !(self.tolerance >= 1e-8 && self.tolerance < 1.0) {
+            return refuse("tolerance", self.tolerance, "from 1e-8 to below 1");
         }
         if self.max_iterations == 0 {
             return refuse("max_iterations", 0.0, "at least 1");
@@ -119,7 +121,7 @@ pub struct DepthReport {
     pub iterations: usize,
     /// |b - A z| / |b| of the normal equations.
     pub relative_residual: f64,
-    /// Integrability residual: root mean square difference between the depth's slopes and the normals' (pixels of
+    /// Integrability residual: weighted root mean square difference between the depth's slopes and the normals' (pixels of
     /// height per pixel). Zero where the normals are those of a surface.
     pub rms_slope_residual: f64,
     /// Pixels whose slope was steeper than `max_slope`, or that faced away.

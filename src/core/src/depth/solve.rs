@@ -8,6 +8,9 @@ use super::steps::Steps;
 use super::{DepthError, DepthOptions};
 use crate::Watch;
 
+/// How far one round of f32 iterations may claim to reduce the error before it is checked in f64.
+const ROUND: f64 = 1e-4;
+
 /// How the solver ended.
 pub struct Solution {
     /// Height of each pixel, in pixels, up to a constant for each island.
@@ -39,56 +42,56 @@ pub fn solve(
     let mut preconditioned = vec![0.0_f32; pixels];
     let mut spare = vec![0.0_f32; pixels];
     let mut direction = vec![0.0_f32; pixels];
-    let mut last_energy: Option<f64> = None;
-    let mut first_energy = 0.0;
-    let mut relative_residual: f64 = 1.0;
-    for iterations in 0..=options.max_iterations {
+    let mut iterations = 0;
+    let mut first_energy = None;
+    loop {
+        // What the last round claims is checked on the heights themselves, and the next starts from there.
+        write_residual(hierarchy.grid(), steps, &height, &mut residual);
+        let mut relative_residual = dot(&residual, &residual).sqrt() / first_norm;
         hierarchy.cycle(&residual, &mut preconditioned, &mut spare, &mut scratch);
-        let energy = dot(&residual, &preconditioned);
-        if iterations == 0 {
-            first_energy = energy;
-        }
+        let mut energy = dot(&residual, &preconditioned);
+        let first_energy = *first_energy.get_or_insert(energy);
         // The residual weighs fine detail most; its product with the correction is the squared error in slope, so both
-        // have to be small. What the recursion claims is then checked on the heights themselves.
-        let claimed = relative_residual.max((energy / first_energy).abs().sqrt());
-        if claimed <= options.tolerance {
-            write_residual(hierarchy.grid(), steps, &height, &mut residual);
-            relative_residual = dot(&residual, &residual).sqrt() / first_norm;
-            if relative_residual <= options.tolerance {
-                return Ok(Solution { height, iterations, relative_residual });
+        // have to be small.
+        let error = |energy: f64, relative_residual: f64| relative_residual.max((energy / first_energy).abs().sqrt());
+        let start = error(energy, relative_residual);
+        if start <= options.tolerance {
+            return Ok(Solution { height, iterations, relative_residual });
+        }
+        // Aim a little lower than asked, so that rounding does not cost another round.
+        let goal = (0.9 * options.tolerance).max(ROUND * start);
+        direction.copy_from_slice(&preconditioned);
+        loop {
+            if iterations == options.max_iterations {
+                return Err(DepthError::NotConverged { iterations, relative_residual, tolerance: options.tolerance });
             }
-            hierarchy.cycle(&residual, &mut preconditioned, &mut spare, &mut scratch);
-            last_energy = None;
-        }
-        if watch.cancelled() {
-            return Err(DepthError::Cancelled);
-        }
-        watch.progress((claimed.ln() / options.tolerance.ln()).clamp(0.0, 1.0) as f32);
+            if watch.cancelled() {
+                return Err(DepthError::Cancelled);
+            }
+            iterations += 1;
 
-        let energy = dot(&residual, &preconditioned);
-        let keep = last_energy.map_or(0.0, |last| energy / last) as f32;
-        last_energy = Some(energy);
-        direction.par_iter_mut().zip(&preconditioned).with_min_len(1 << 12).for_each(|(direction, new)| {
-            *direction = new + keep * *direction;
-        });
-        write_product(hierarchy.grid(), &direction, &mut spare);
-        let length = energy / dot(&direction, &spare);
-        if !length.is_finite() {
-            break;
-        }
-        height.par_iter_mut().zip(&mut residual).zip(&direction).zip(&spare).with_min_len(1 << 12).for_each(
-            |(((height, residual), direction), product)| {
+            write_product(hierarchy.grid(), &direction, &mut spare);
+            let length = energy / dot(&direction, &spare);
+            let vectors = height.par_iter_mut().zip(&mut residual).zip(&direction).zip(&spare);
+            vectors.with_min_len(1 << 12).for_each(|(((height, residual), direction), product)| {
                 *height += length * f64::from(*direction);
                 *residual -= length as f32 * product;
-            },
-        );
-        relative_residual = dot(&residual, &residual).sqrt() / first_norm;
+            });
+            relative_residual = dot(&residual, &residual).sqrt() / first_norm;
+
+            hierarchy.cycle(&residual, &mut preconditioned, &mut spare, &mut scratch);
+            let last = std::mem::replace(&mut energy, dot(&residual, &preconditioned));
+            let error = error(energy, relative_residual);
+            watch.progress((error.ln() / options.tolerance.ln()).clamp(0.0, 1.0) as f32);
+            if error <= goal {
+                break;
+            }
+            let kept = (energy / last) as f32;
+            direction.par_iter_mut().zip(&preconditioned).with_min_len(1 << 12).for_each(|(direction, new)| {
+                *direction = new + kept * *direction;
+            });
+        }
     }
-    Err(DepthError::NotConverged {
-        iterations: options.max_iterations,
-        relative_residual,
-        tolerance: options.tolerance,
-    })
 }
 
 fn write_product(grid: &Grid, x: &[f32], out: &mut [f32]) {

@@ -77,12 +77,15 @@ impl Steps {
         max_slope: f64,
     ) -> (Self, Grid) {
         let width = region.width;
+        let most = confidence
+            .map_or(1.0, |plane| plane.data().par_iter().copied().filter(|c| c.is_finite()).reduce(|| 0.0, f32::max));
         let pixel = |index: usize| (region.left + index % width, region.top + index / width);
         let mut slopes: Vec<Slope> = (0..width * region.height)
             .into_par_iter()
             .map(|index| {
                 let (x, y) = pixel(index);
-                let confidence = if mask.at(x, y) { confidence.map_or(1.0, |plane| plane.at(x, y)) } else { 0.0 };
+                let confidence =
+                    if mask.at(x, y) { confidence.map_or(1.0, |plane| plane.at(x, y) / most) } else { 0.0 };
                 slope(normals, (x, y), tilt_of_ray(camera, x, y), confidence, max_slope)
             })
             .collect();
@@ -97,7 +100,13 @@ impl Steps {
         let pixels = (0..slopes.len()).into_par_iter();
         let (right, right_weight) = pixels
             .clone()
-            .map(|i| if (i + 1) % width == 0 { NO_STEP } else { step(&slopes[i], &slopes[i + 1], |slope| slope.right) })
+            .map(|i| {
+                if (i + 1).is_multiple_of(width) {
+                    NO_STEP
+                } else {
+                    step(&slopes[i], &slopes[i + 1], |slope| slope.right)
+                }
+            })
             .unzip();
         let (down, down_weight) = pixels
             .map(|i| slopes.get(i + width).map_or(NO_STEP, |below| step(&slopes[i], below, |slope| slope.down)))
@@ -123,23 +132,29 @@ impl Steps {
         })
     }
 
-    /// The root mean square misfit of the steps at each pixel, and over all of them.
+    /// The weighted root mean square misfit of the steps at each pixel, and over all of them.
     pub fn slope_residual(&self, grid: &Grid, height: &[f64]) -> (Vec<f32>, f64) {
-        let sums: Vec<(f64, u32)> = (0..height.len())
+        let add = |sum: (f64, f64), (weight, square): (f64, f64)| (sum.0 + weight, sum.1 + square);
+        let rms = |(weight, square): (f64, f64)| if weight > 0.0 { (square / weight).sqrt() } else { 0.0 };
+        let sums: Vec<(f64, f64)> = (0..height.len())
             .into_par_iter()
             .map(|here| {
-                let squares = self.misfits(grid, height, here).map(|(_, misfit)| misfit * misfit);
-                squares.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1))
+                let squares =
+                    self.misfits(grid, height, here).map(|(weight, misfit)| (weight, weight * misfit * misfit));
+                squares.fold((0.0, 0.0), add)
             })
             .collect();
-        let rms = |(sum, count): (f64, u32)| if count == 0 { 0.0 } else { (sum / f64::from(count)).sqrt() };
-        let total = sums.iter().fold((0.0, 0.0), |total, &(sum, count)| (total.0 + sum, total.1 + f64::from(count)));
-        let overall = if total.1 > 0.0 { (total.0 / total.1).sqrt() } else { 0.0 };
-        (sums.into_par_iter().map(|sum| rms(sum) as f32).collect(), overall)
+        let rows: Vec<(f64, f64)> =
+            sums.par_chunks(grid.width()).map(|row| row.iter().copied().fold((0.0, 0.0), add)).collect();
+        let total = rows.into_iter().fold((0.0, 0.0), add);
+        (sums.into_par_iter().map(|sum| rms(sum) as f32).collect(), rms(total))
     }
 }
 
 const NO_STEP: (f32, f32) = (0.0, 0.0);
+
+/// Slopes that count less than this beside the best are as good as missing, and would only slow the solver down.
+const LEAST_CONFIDENCE: f32 = 1e-6;
 
 /// How much a slope that is guessed from its neighbours counts beside theirs.
 const BRIDGE_CONFIDENCE: f32 = 0.1;
@@ -160,7 +175,7 @@ fn slope(normals: &NormalMap, (x, y): (usize, usize), (u, v): (f32, f32), confid
     let toward_camera = normal.z - u * normal.x - v * normal.y;
     let least = sideways / max_slope as f32;
     let facing = toward_camera.max(least);
-    if facing <= 0.0 || !(confidence > 0.0 && confidence.is_finite()) {
+    if facing <= 0.0 || !(LEAST_CONFIDENCE..=1.0).contains(&confidence) {
         return Slope::default();
     }
     let clamped = toward_camera < least;
@@ -180,7 +195,8 @@ fn bridge(slopes: &mut [Slope], width: usize, missing: &[usize]) {
                 let known = || neighbours(index, width, slopes.len()).map(|i| slopes[i]).filter(|s| s.confidence > 0.0);
                 let count = known().count() as f32;
                 let mean = |component: fn(&Slope) -> f32| known().map(|slope| component(&slope)).sum::<f32>() / count;
-                let confidence = BRIDGE_CONFIDENCE * known().map(|slope| slope.confidence).fold(0.0, f32::max);
+                let trust = |slope: Slope| if slope.measured { BRIDGE_CONFIDENCE } else { 1.0 } * slope.confidence;
+                let confidence = known().map(trust).fold(0.0, f32::max);
                 let slope = Slope { right: mean(|s| s.right), down: mean(|s| s.down), confidence, ..Slope::default() };
                 (count > 0.0).then_some((index, slope))
             })
@@ -201,8 +217,8 @@ fn bridge(slopes: &mut [Slope], width: usize, missing: &[usize]) {
 
 /// The pixels left, right, above and below.
 fn neighbours(index: usize, width: usize, pixels: usize) -> impl Iterator<Item = usize> {
-    let left = (index % width > 0).then(|| index - 1);
-    let right = ((index + 1) % width > 0).then_some(index + 1);
+    let left = (!index.is_multiple_of(width)).then(|| index - 1);
+    let right = (!(index + 1).is_multiple_of(width)).then_some(index + 1);
     let below = (index + width < pixels).then_some(index + width);
     [left, right, index.checked_sub(width), below].into_iter().flatten()
 }
@@ -218,5 +234,6 @@ fn step(a: &Slope, b: &Slope, component: fn(&Slope) -> f32) -> (f32, f32) {
         (false, true) => component(b),
         _ => 0.5 * (component(a) + component(b)),
     };
-    (step, 2.0 * a.confidence * b.confidence / (a.confidence + b.confidence))
+    // The variance of a mean of two: a harmonic mean of confidences.
+    (step, 2.0 / (a.confidence.recip() + b.confidence.recip()))
 }

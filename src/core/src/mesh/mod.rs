@@ -1,6 +1,10 @@
 //! A triangle mesh: what the depth becomes, what a scan is read into, what every mesh file is written from.
 
+mod from_depth;
+
 use nalgebra::{Point3, Vector3};
+
+pub use from_depth::{MeshError, MeshOptions, MeshReport, from_depth};
 
 /// The unit of a mesh's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
