@@ -174,7 +174,7 @@ pub fn camera_of(set: &CaptureSet, size: (usize, usize)) -> Camera {
 /// The depth as triangles, coloured by albedo relative to the brightest part.
 pub fn triangulate(shape: &Shape, camera: &Camera, options: &MeshOptions) -> Result<Mesh, PipelineError> {
     let albedo = relative_albedo(&shape.normals.albedo);
-    Ok(from_depth(&shape.depth.depth_mm, &shape.depth.mask, camera, Some(&shape.normals.map), Some(&albedo), options)?)
+    Ok(from_depth(&shape.depth.depth_mm, &shape.depth.mask, camera, Some(&shape.normals.map), Some(&albedo), options)?.0)
 }
 
 /// Albedo over its largest value: a mesh's colours end at 1.

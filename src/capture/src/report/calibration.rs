@@ -173,7 +173,7 @@ fn rows(set: &CaptureSet, calibrated: &Calibrated) -> Vec<(Row, Option<PixelCoun
     let mut rows = Vec::new();
     for (light, alpha) in set.lights.iter().zip(&calibrated.alpha) {
         for (colour, known) in set.colours.iter().zip(alpha.iter().flatten()).skip(1) {
-            rows.push(row(format!("alpha, {}, {}", light.name, colour.name), known)));
+            rows.push(row(format!("alpha, {}, {}", light.name, colour.name), known));
         }
     }
     for (colour, known) in set.colours.iter().zip(calibrated.beta.iter().flatten()).skip(1) {
