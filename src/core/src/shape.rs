@@ -89,14 +89,8 @@ pub fn recover_shape(
     let rounds = if near { options.rounds } else { 1 };
     let mut shape = round(lights, mask, camera, None, options, &Round { watch, index: 0, rounds })?;
     for index in 1..rounds {
-        let better = round(
-            lights,
-            mask,
-            camera,
-            Some(&shape.depth.depth_mm),
-            options,
-            &Round { watch, index, rounds },
-        )?;
+        let better =
+            round(lights, mask, camera, Some(&shape.depth.depth_mm), options, &Round { watch, index, rounds })?;
         let mut depth_changes = shape.report.depth_changes;
         depth_changes.push(root_mean_square_change(&shape.depth, &better.depth));
         shape = Shape { report: ShapeReport { depth_changes, ..better.report }, ..better };
@@ -164,7 +158,8 @@ mod tests {
             })
         };
         let normal = |p: Point3<f64>| Vector3::new(-0.02 * p.x, -0.02 * p.y, 1.0).normalize();
-        let plane = |value: &dyn Fn(Point3<f64>) -> f64| Plane::from_fn(size.0, size.1, |x, y| value(point(x, y)) as f32);
+        let plane =
+            |value: &dyn Fn(Point3<f64>) -> f64| Plane::from_fn(size.0, size.1, |x, y| value(point(x, y)) as f32);
         let truth = [0, 1, 2].map(|axis| plane(&|p| normal(p)[axis]));
         let [x, y, z] = truth;
         let truth = NormalMap::from_planes(x, y, z).unwrap();

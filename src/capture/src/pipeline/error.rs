@@ -90,19 +90,25 @@ pub enum PipelineError {
         reason: CalibrateError,
     },
     /// Nothing tells a light's alpha.
-    #[error("nothing tells alpha of light \"{light}\": photograph a grey ball under it in every colour, or type [calibration.alpha]")]
+    #[error(
+        "nothing tells alpha of light \"{light}\": photograph a grey ball under it in every colour, or type [calibration.alpha]"
+    )]
     NoAlpha {
         /// The light.
         light: String,
     },
     /// Nothing tells beta.
-    #[error("nothing tells beta: photograph a ball of the object's paint in every colour, or type beta under [calibration]")]
+    #[error(
+        "nothing tells beta: photograph a ball of the object's paint in every colour, or type beta under [calibration]"
+    )]
     NoBeta,
     /// Colours that cannot tell bounces apart.
     #[error("{0}")]
     Beta(Problem),
     /// Nothing tells where a lamp is.
-    #[error("nothing tells the direction of light \"{light}\": photograph a mirror or grey ball under it, or type its direction")]
+    #[error(
+        "nothing tells the direction of light \"{light}\": photograph a mirror or grey ball under it, or type its direction"
+    )]
     NoDirection {
         /// The light.
         light: String,

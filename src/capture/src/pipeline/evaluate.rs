@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use firstbounce_core::evaluate::{lit_by_three, relative_error, rmse_without_offset};
-use firstbounce_core::shape::ShapeOptions;
 use firstbounce_core::separate::Separation;
+use firstbounce_core::shape::ShapeOptions;
 use firstbounce_core::{AngularError, Mask, NormalMap, Plane};
 use serde::Serialize;
 
@@ -94,9 +94,8 @@ pub fn evaluate(
         None => with_truth.clone(),
     };
     let methods = [Some(&raw), Some(&after), ideal.as_ref()];
-    let compared = mask_where(&lit, |pixel| {
-        methods.iter().flatten().all(|shape| shape.normals.map.at_index(pixel).is_some())
-    });
+    let compared =
+        mask_where(&lit, |pixel| methods.iter().flatten().all(|shape| shape.normals.map.at_index(pixel).is_some()));
     let error = |shape: &firstbounce_core::shape::Shape| {
         let error = shape.normals.map.angular_error(&truth, &compared);
         error.map(Angles::from).ok_or(PipelineError::NothingToCompare)

@@ -31,7 +31,8 @@ pub fn write_solved(
 ) -> Result<Report, PipelineError> {
     let mut stages = std::mem::take(&mut solved.stages);
     let mut files = Files { folder: OutputFolder::stage(folder)?, written: IndexMap::new() };
-    let written = StageCost::measure(&mut stages, Stage::Write, || write_results(set, solved, &mut files, options, watch));
+    let written =
+        StageCost::measure(&mut stages, Stage::Write, || write_results(set, solved, &mut files, options, watch));
     solved.stages = stages;
     written?;
 
@@ -109,8 +110,10 @@ fn write_bounces(solved: &Solved, l: usize, light: &str, files: &mut Files) -> R
         ("residual", separation.residual.as_ref()),
         ("marks", marks.as_ref()),
     ];
-    let layers: Vec<_> =
-        bounces.chain(others).filter_map(|(name, plane)| Some(ExrLayer { name, channels: vec![("Y", plane?)] })).collect();
+    let layers: Vec<_> = bounces
+        .chain(others)
+        .filter_map(|(name, plane)| Some(ExrLayer { name, channels: vec![("Y", plane?)] }))
+        .collect();
     let path = files.add(
         format!("bounces-{light}.exr"),
         format!("light {light}: a layer for each bounce, the noise of bounce 1, the residual, the marks"),
@@ -156,6 +159,7 @@ fn write_text(path: &Path, text: &str) -> Result<(), PipelineError> {
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PipelineError> {
-    let unwritable = |error: std::io::Error| ImageError::Unwritable { path: path.to_owned(), reason: error.to_string() };
+    let unwritable =
+        |error: std::io::Error| ImageError::Unwritable { path: path.to_owned(), reason: error.to_string() };
     Ok(std::fs::write(path, bytes).map_err(unwritable)?)
 }

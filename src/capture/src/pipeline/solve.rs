@@ -8,9 +8,7 @@ use firstbounce_core::{Camera, Mesh, Plane, Projection};
 use nalgebra::{Point3, Vector3};
 
 use super::watch::Part;
-use super::{
-    Calibrated, ObjectPhotos, PipelineError, PipelineWatch, Stage, StageCost, calibrate_for, load_object,
-};
+use super::{Calibrated, ObjectPhotos, PipelineError, PipelineWatch, Stage, StageCost, calibrate_for, load_object};
 use crate::set::{self, CaptureSet};
 
 /// How to get from photos to a mesh.
@@ -65,8 +63,9 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
     let mut stages = Vec::new();
     let object = StageCost::measure(&mut stages, Stage::Load, || load_object(set, watch))?;
     let calibrated = StageCost::measure(&mut stages, Stage::Calibrate, || calibrate_for(set, bounces, watch))?;
-    let separated =
-        StageCost::measure(&mut stages, Stage::Separate, || separate_lights(set, &object, &calibrated, bounces, watch))?;
+    let separated = StageCost::measure(&mut stages, Stage::Separate, || {
+        separate_lights(set, &object, &calibrated, bounces, watch)
+    })?;
     let raw = StageCost::measure(&mut stages, Stage::Separate, || raw_lights(&object, watch))?;
 
     let camera = camera_of(set, object.mask.size());
@@ -174,7 +173,8 @@ pub fn camera_of(set: &CaptureSet, size: (usize, usize)) -> Camera {
 /// The depth as triangles, coloured by albedo relative to the brightest part.
 pub fn triangulate(shape: &Shape, camera: &Camera, options: &MeshOptions) -> Result<Mesh, PipelineError> {
     let albedo = relative_albedo(&shape.normals.albedo);
-    Ok(from_depth(&shape.depth.depth_mm, &shape.depth.mask, camera, Some(&shape.normals.map), Some(&albedo), options)?.0)
+    Ok(from_depth(&shape.depth.depth_mm, &shape.depth.mask, camera, Some(&shape.normals.map), Some(&albedo), options)?
+        .0)
 }
 
 /// Albedo over its largest value: a mesh's colours end at 1.

@@ -124,7 +124,9 @@ impl CalibrationWords {
                 direction: direction().map(|(light, known)| (light, by_axis(known))).collect(),
             },
             source: SourceWords {
-                alpha: alpha().map(|(l, known)| (l, known.iter().map(|known| known.source.words()).collect())).collect(),
+                alpha: alpha()
+                    .map(|(l, known)| (l, known.iter().map(|known| known.source.words()).collect()))
+                    .collect(),
                 beta: beta.iter().map(|known| known.source.words()).collect(),
                 intensity: intensity().map(|(light, known)| (light, known.source.words())).collect(),
                 direction: direction().map(|(light, known)| (light, known.source.words())).collect(),

@@ -5,7 +5,7 @@ mod html;
 mod pictures;
 mod words;
 
-pub use calibration::CalibrationWords;
+pub use calibration::{CalibrationWords, Row};
 pub use html::html;
 pub use pictures::Pictures;
 pub use words::{Conventions, DepthWords, LightWords, MeshWords, Report, SetWords, ShapeWords};

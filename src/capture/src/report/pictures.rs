@@ -46,9 +46,11 @@ impl<'a> Pictures<'a> {
     pub fn normals(&self, map: &NormalMap) -> Result<String, ImageError> {
         // Undo the curve that a picture of light gets: a normal's colour is no light.
         let encode = |plane: &Plane| {
-            let data = plane.data().par_iter().enumerate().map(|(pixel, &n)| {
-                if map.at_index(pixel).is_some() { (n * 0.5 + 0.5).powf(2.2) } else { 0.0 }
-            });
+            let data = plane
+                .data()
+                .par_iter()
+                .enumerate()
+                .map(|(pixel, &n)| if map.at_index(pixel).is_some() { (n * 0.5 + 0.5).powf(2.2) } else { 0.0 });
             Plane::from_vec(plane.width(), plane.height(), data.collect()).unwrap_or_else(|| plane.clone())
         };
         data_address(&[&encode(map.x()), &encode(map.y()), &encode(map.z())], 1.0)

@@ -199,7 +199,8 @@ impl Report {
 
 impl LightWords {
     fn of(report: &SeparateReport) -> Self {
-        let SeparateReport { gain, condition_number, mean, noise, residual_rms, residual_expected, .. } = report.clone();
+        let SeparateReport { gain, condition_number, mean, noise, residual_rms, residual_expected, .. } =
+            report.clone();
         Self {
             gain,
             condition_number,

@@ -101,6 +101,9 @@ fn contradiction(light: &Light, typed: Option<[f64; 3]>, measured: &DirectionEst
     let angle_deg = nalgebra::Vector3::from(given).angle(&measured.direction_to_light).to_degrees();
     let allowed_deg = measured.half_angle_deg.max(AGREEMENT_FLOOR_DEG);
     (angle_deg > allowed_deg).then(|| {
-        format!("light {}: {source} and the balls differ by {angle_deg:.1} degrees ({allowed_deg:.1} would pass)", light.name)
+        format!(
+            "light {}: {source} and the balls differ by {angle_deg:.1} degrees ({allowed_deg:.1} would pass)",
+            light.name
+        )
     })
 }

@@ -199,11 +199,9 @@ impl<'a> Measuring<'a> {
         let Some(photo) = ball.photo(l, 0) else { return Ok(None) };
         let light = &self.set.lights[l];
         let lamp = match (light.position_mm, ball.radius_mm(), &self.calibrated.direction[l]) {
-            (Some(position), Some(ball_radius_mm), _) => Lamp::Near {
-                position_mm: Vector3::from(position),
-                ball_centre_mm: Vector3::zeros(),
-                ball_radius_mm,
-            },
+            (Some(position), Some(ball_radius_mm), _) => {
+                Lamp::Near { position_mm: Vector3::from(position), ball_centre_mm: Vector3::zeros(), ball_radius_mm }
+            }
             (_, _, Some(direction)) => {
                 Lamp::Distant { direction_to_light: Vector3::from(direction.value), half_angle_deg }
             }

@@ -146,14 +146,12 @@ pub fn calibrate(
 }
 
 /// Calibrates a set for the separation of `bounces` bounces, and makes sure that its colours can tell them apart.
-pub fn calibrate_for(
-    set: &CaptureSet,
-    bounces: usize,
-    watch: &dyn PipelineWatch,
-) -> Result<Calibrated, PipelineError> {
+pub fn calibrate_for(set: &CaptureSet, bounces: usize, watch: &dyn PipelineWatch) -> Result<Calibrated, PipelineError> {
     let calibrated = calibrate(set, Preference::File, watch)?;
     let beta = calibrated.beta_values()?;
-    if bounces > 1 && let Some(problem) = set.check_beta_distances(&beta).into_iter().next() {
+    if bounces > 1
+        && let Some(problem) = set.check_beta_distances(&beta).into_iter().next()
+    {
         return Err(PipelineError::Beta(problem));
     }
     Ok(calibrated)

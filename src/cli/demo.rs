@@ -1,0 +1,48 @@
+//! `firstbounce demo`
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use firstbounce_capture::CaptureSet;
+use firstbounce_capture::OutputFolder;
+use firstbounce_capture::image_file::GreenAxis;
+use firstbounce_capture::pipeline::SolveOptions;
+use include_dir::{Dir, include_dir};
+
+use super::solve::{OUTPUT_FOLDER, solve_into, summary};
+use super::{PrintArgs, print, print_json, print_warnings};
+
+/// The capture set that the program carries within itself.
+static DEMO: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/assets/demo");
+
+#[derive(Args, Debug)]
+pub struct DemoArgs {
+    /// Where to write the results [default: out/demo]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    print: PrintArgs,
+}
+
+/// Runs the command.
+pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
+    let folder = args.out.clone().unwrap_or_else(|| Path::new(OUTPUT_FOLDER).join("demo"));
+    let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
+    let report = solve_into(&set, &folder, &SolveOptions::default(), GreenAxis::Up)?;
+    print_warnings(&report.warnings);
+    if args.print.json { print_json(&report) } else { print(&summary(&report, &folder)) }
+}
+
+/// Puts the demo set into `folder`, where a person can look at it and change it; returns the folder.
+pub fn unpack(folder: &Path) -> anyhow::Result<&Path> {
+    let output = OutputFolder::stage(folder)?;
+    let mut pending = vec![&DEMO];
+    while let Some(dir) = pending.pop() {
+        for file in dir.files() {
+            std::fs::write(output.file(file.path())?, file.contents())?;
+        }
+        pending.extend(dir.dirs());
+    }
+    output.commit()?;
+    Ok(folder)
+}

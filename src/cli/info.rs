@@ -1,0 +1,118 @@
+//! `firstbounce info SET`
+
+use clap::Args;
+use firstbounce_capture::CaptureSet;
+use firstbounce_capture::set::Subject;
+use serde::Serialize;
+
+use super::table::{row, table};
+use super::{PrintArgs, SetArgs, print, print_json};
+
+#[derive(Args, Debug)]
+pub struct InfoArgs {
+    #[command(flatten)]
+    set: SetArgs,
+    #[command(flatten)]
+    print: PrintArgs,
+}
+
+/// What a set holds.
+#[derive(Debug, Serialize)]
+struct Info {
+    name: String,
+    folder: String,
+    lights: Vec<String>,
+    colours: Vec<String>,
+    bounces: usize,
+    subjects: Vec<SubjectInfo>,
+    mask: Option<String>,
+    missing_files: Vec<String>,
+    lacks: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct SubjectInfo {
+    subject: String,
+    shots: usize,
+    files: usize,
+}
+
+/// Runs the command.
+pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
+    let set = CaptureSet::open(&args.set.path)?;
+    let info = Info {
+        name: set.title(),
+        folder: set.folder.display().to_string(),
+        lights: set.lights.iter().map(|light| light.name.clone()).collect(),
+        colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
+        bounces: set.bounces(),
+        subjects: set.subjects().into_iter().map(|subject| subject_info(&set, subject)).collect(),
+        mask: set.mask.clone(),
+        missing_files: missing_files(&set),
+        lacks: lacks(&set),
+    };
+    if args.print.json { print_json(&info) } else { print(&text(&info)) }
+}
+
+fn subject_info(set: &CaptureSet, subject: Subject) -> SubjectInfo {
+    let mut files: Vec<_> = set.shots_of(subject).flat_map(|shot| &shot.files).collect();
+    files.sort_unstable();
+    files.dedup();
+    SubjectInfo { subject: subject.to_string(), shots: set.shots_of(subject).count(), files: files.len() }
+}
+
+fn missing_files(set: &CaptureSet) -> Vec<String> {
+    let files = set.distinct_files();
+    let named = files.keys().copied().chain(set.mask.as_deref());
+    named.filter(|file| !set.resolve(file).is_file()).map(str::to_owned).collect()
+}
+
+/// What stands between this set and a mesh.
+fn lacks(set: &CaptureSet) -> Vec<String> {
+    let given = &set.calibration;
+    let all = |known: &dyn Fn(&str) -> bool| set.lights.iter().all(|light| known(&light.name));
+    let has = |subject: Subject| {
+        set.shots_of(subject).next().is_some()
+            || subject.sphere_kind().is_some_and(|kind| set.circle(Subject::Object, kind).is_some())
+    };
+    let (grey, mirror) = (has(Subject::GreySphere), has(Subject::MirrorSphere));
+    let several = set.colours.len() > 1;
+    let placed = |light: &str| {
+        let position = set.light_index(light).and_then(|l| set.lights[l].position_mm);
+        position.is_some() || set.given_direction(light).is_some()
+    };
+    let wants = [
+        (set.lights.len() < 3, "a third light: normals need three, the bounces come out all the same"),
+        (several && !grey && !all(&|l| given.alpha.contains_key(l)), "alpha: photograph a grey ball, or type it"),
+        (
+            several && !has(Subject::MaterialSphere) && given.beta.is_none(),
+            "beta: photograph a ball of the object's paint, or type it",
+        ),
+        (!grey && !mirror && !all(&placed), "directions: photograph a mirror or grey ball, or type them"),
+        (
+            !grey && !all(&|l| given.intensity.contains_key(l)),
+            "intensities: photograph a grey ball, or type them; without, all lamps count as equally strong",
+        ),
+        (set.mask.is_none(), "a mask: without one the object is the brighter part of the photos"),
+    ];
+    wants.into_iter().filter(|(lacking, _)| *lacking).map(|(_, what)| what.to_owned()).collect()
+}
+
+fn text(info: &Info) -> String {
+    let mut rows = vec![row(["subject", "shots", "files"])];
+    rows.extend(
+        info.subjects
+            .iter()
+            .map(|subject| row([&subject.subject, &subject.shots.to_string(), &subject.files.to_string()])),
+    );
+    let mut lines = vec![
+        info.name.clone(),
+        format!("{} lights: {}", info.lights.len(), info.lights.join(", ")),
+        format!("{} colours: {} (the first is the reference)", info.colours.len(), info.colours.join(", ")),
+        format!("{} bounces to tell apart", info.bounces),
+        table(&rows),
+    ];
+    lines.extend(info.missing_files.iter().map(|file| format!("missing file: {file}")));
+    lines.extend(info.lacks.iter().map(|what| format!("lacks {what}")));
+    lines.join("\n")
+}

@@ -1,0 +1,96 @@
+//! The command line: one table of commands, a file for each.
+//!
+//! Exit codes: 0 done, 1 failed (one line on standard error says why), 2 wrong usage (clap prints how).
+
+mod calibrate;
+mod demo;
+mod evaluate;
+mod info;
+mod progress;
+mod solve;
+mod table;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+/// Photometric stereo without the light between an object's own walls.
+#[derive(Debug, Parser)]
+#[command(version, about, arg_required_else_help = true)]
+struct Program {
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Every command.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// From photos to bounces, normals, depth, a mesh and a report
+    Solve(solve::SolveArgs),
+    /// Measure lamps and paint on the calibration balls
+    Calibrate(calibrate::CalibrateArgs),
+    /// Compare the results with the truth of a rendered set
+    Evaluate(evaluate::EvaluateArgs),
+    /// Say what a capture set holds, and what it lacks
+    Info(info::InfoArgs),
+    /// Solve the set that comes with the program
+    Demo(demo::DemoArgs),
+}
+
+/// The capture set that a command works on.
+#[derive(Args, Debug)]
+pub struct SetArgs {
+    /// A capture set: its folder or its capture.toml
+    #[arg(value_name = "SET")]
+    path: PathBuf,
+}
+
+/// How a command prints.
+#[derive(Args, Debug)]
+pub struct PrintArgs {
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Reads the command line; prints help or usage and exits where it is not a command.
+pub fn parse() -> Command {
+    Program::parse().command
+}
+
+/// Runs a command.
+pub fn run(command: Command) -> anyhow::Result<()> {
+    match command {
+        Command::Solve(args) => solve::run(&args),
+        Command::Calibrate(args) => calibrate::run(&args),
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Demo(args) => demo::run(&args),
+    }
+}
+
+/// One line on standard error.
+pub fn print_error(error: &anyhow::Error) {
+    let line = format!("{error:#}").replace('\n', " ");
+    eprintln!("firstbounce: {line}");
+}
+
+/// Prints to standard output; a reader that went away (`| head`) is no error.
+fn print(text: &str) -> anyhow::Result<()> {
+    use std::io::{ErrorKind, Write};
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+/// Prints one JSON object.
+fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
+    print(&serde_json::to_string_pretty(value)?)
+}
+
+/// Warnings go to standard error, so that what is printed can be piped on.
+fn print_warnings(warnings: &[String]) {
+    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+}
