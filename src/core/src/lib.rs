@@ -10,6 +10,7 @@ pub mod calibrate;
 pub mod camera;
 pub mod depth;
 pub mod evaluate;
+pub mod indirect;
 pub mod interval;
 pub mod mask;
 pub mod mesh;

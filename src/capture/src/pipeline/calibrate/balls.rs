@@ -99,15 +99,19 @@ fn subject_of(kind: SphereKind) -> Subject {
     }
 }
 
-/// How the camera sees a ball whose pictures have this size: cut out around the optical axis if they are not whole.
+/// How the camera sees a ball whose pictures have this size. Pictures that do not hold the optical axis are cut-outs from
+/// nobody knows where: there lines of sight count as parallel.
 fn view(set: &CaptureSet, size: (usize, usize)) -> View {
     match set.camera.projection {
         Projection::Orthographic { .. } => View::Orthographic,
         Projection::Perspective { focal_length_px, principal_point, .. } => {
             let (width, height) = (size.0 as f64, size.1 as f64);
-            let inside = principal_point.filter(|[x, y]| *x < 0.75 * width && *y < 0.75 * height);
-            let [x, y] = inside.unwrap_or([width / 2.0, height / 2.0]);
-            View::Perspective { focal_length_px, principal_point_px: (x, y) }
+            let [x, y] = principal_point.unwrap_or([width / 2.0, height / 2.0]);
+            if x < width && y < height {
+                View::Perspective { focal_length_px, principal_point_px: (x, y) }
+            } else {
+                View::Orthographic
+            }
         }
     }
 }

@@ -1,0 +1,197 @@
+//! Quiet direct light: indirect light varies slowly over a surface, so most of its noise can be averaged away.
+//!
+//! The sum T of all bounces is hardly noisier than a photo; what is noisy is how T divides into direct and indirect light.
+//! Indirect light arrives from the whole object, so over a few pixels it follows T by a straight line: I = a T + b. The line
+//! is fitted in a window around every pixel and the lines of all windows over a pixel are averaged (K. He, J. Sun, X. Tang,
+//! "Guided Image Filtering", ECCV 2010), with the part of the covariances that is noise taken out, since T and I come from
+//! the same photos. A crease, where both jump, stays sharp. Then L_1 = T - I.
+
+mod window;
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::separate::{BounceSystem, LightPhotos, OUTSIDE, SeparateError, Separation, UNSOLVED};
+use crate::{Plane, Watch};
+
+/// How to quieten the direct light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IndirectOptions {
+    /// Half the width of the window in pixels; 0 leaves the direct light as it was separated.
+    pub radius_px: usize,
+    /// Light that varies in the window by less than this share of its mean counts as even: there I is averaged.
+    pub evenness: f64,
+}
+
+impl Default for IndirectOptions {
+    fn default() -> Self {
+        Self { radius_px: 4, evenness: 0.02 }
+    }
+}
+
+/// The widest window: beyond it indirect light is not slow any more.
+const LARGEST_RADIUS_PX: usize = 64;
+
+impl IndirectOptions {
+    /// Whether every option is in its range.
+    pub fn check(&self) -> Result<(), IndirectError> {
+        if self.radius_px > LARGEST_RADIUS_PX {
+            return Err(IndirectError::Radius { radius_px: self.radius_px });
+        }
+        if !(self.evenness > 0.0 && self.evenness < 1.0) {
+            return Err(IndirectError::Evenness { evenness: self.evenness });
+        }
+        Ok(())
+    }
+}
+
+/// Why the direct light was not quietened.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum IndirectError {
+    /// A window too wide.
+    #[error("a window radius of {radius_px} pixels: give 0 to {LARGEST_RADIUS_PX}")]
+    Radius {
+        /// What was asked for.
+        radius_px: usize,
+    },
+    /// Not a fraction.
+    #[error("an evenness of {evenness}: give a number between 0 and 1")]
+    Evenness {
+        /// What was asked for.
+        evenness: f64,
+    },
+    /// The photos do not fit together.
+    #[error(transparent)]
+    Separate(#[from] SeparateError),
+    /// Somebody cancelled.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Direct light with less noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QuietDirect {
+    /// L_1 in linear light of the reference colour; zero where the separation solved nothing.
+    pub direct: Plane,
+    /// Predicted noise (standard deviation) of `direct`.
+    pub noise: Plane,
+    /// Mean predicted noise of L_1 over solved pixels before, and after.
+    pub report: IndirectReport,
+}
+
+/// What quietening tells of itself. Means run over the solved pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IndirectReport {
+    /// Mean predicted noise of L_1 as it was separated.
+    pub noise_before: f64,
+    /// Mean predicted noise of L_1 now.
+    pub noise_after: f64,
+}
+
+/// Noise of the sum T, of the indirect light I, and what they share, at the object's typical light.
+#[derive(Clone, Copy, Debug)]
+struct TypicalNoise {
+    total: f64,
+    indirect: f64,
+    shared: f64,
+    direct: f64,
+}
+
+impl TypicalNoise {
+    fn of(system: &BounceSystem, sigma: &[f64]) -> Self {
+        let column = |c: usize| system.operator.column(c);
+        let (mut total, mut indirect, mut shared, mut direct) = (0.0, 0.0, 0.0, 0.0);
+        for (c, sigma) in sigma.iter().enumerate() {
+            let (sum, first) = (column(c).sum(), column(c)[0]);
+            let variance = sigma * sigma;
+            total += sum * sum * variance;
+            indirect += (sum - first).powi(2) * variance;
+            shared += sum * (sum - first) * variance;
+            direct += first * first * variance;
+        }
+        Self { total, indirect, shared, direct }
+    }
+}
+
+/// Takes most of the noise of the indirect light out of L_1 of a light that was separated.
+pub fn quieten_direct(
+    light: &LightPhotos,
+    separation: &Separation,
+    options: &IndirectOptions,
+    watch: &dyn Watch,
+) -> Result<QuietDirect, IndirectError> {
+    options.check()?;
+    let sigma = light.typical_sigma();
+    let system = BounceSystem::new(light.alpha, light.beta, &sigma, separation.bounces.len())?;
+    let typical = TypicalNoise::of(&system, &sigma);
+    let size = separation.bounces[0].size();
+    let solved = |pixel: usize| separation.marks[pixel] & (UNSOLVED | OUTSIDE) == 0;
+    let plain_noise = separation.direct_noise.clone().unwrap_or_else(|| Plane::filled(size.0, size.1, 0.0));
+    let noise_before = mean_where(&plain_noise, solved);
+    if options.radius_px == 0 || separation.bounces.len() == 1 {
+        let report = IndirectReport { noise_before, noise_after: noise_before };
+        return Ok(QuietDirect { direct: separation.bounces[0].clone(), noise: plain_noise, report });
+    }
+
+    let total = total_of(separation);
+    let lines = window::lines(separation, &total, &typical, options, &solved);
+    if watch.cancelled() {
+        return Err(IndirectError::Cancelled);
+    }
+    watch.progress(0.5);
+    let (slope, offset) = window::average(&lines, options.radius_px);
+    let (direct, noise) = apply(separation, &total, &slope, &offset, &plain_noise, &typical, options);
+    watch.progress(1.0);
+    let noise_after = mean_where(&noise, solved);
+    Ok(QuietDirect { direct, noise, report: IndirectReport { noise_before, noise_after } })
+}
+
+/// T, the sum of all bounces.
+fn total_of(separation: &Separation) -> Plane {
+    let mut total = separation.bounces[0].clone();
+    for bounce in &separation.bounces[1..] {
+        total.data_mut().par_iter_mut().zip(bounce.data()).for_each(|(sum, light)| *sum += light);
+    }
+    total
+}
+
+/// L_1 = T - a T - b, and its noise.
+fn apply(
+    separation: &Separation,
+    total: &Plane,
+    slope: &Plane,
+    offset: &Plane,
+    plain_noise: &Plane,
+    typical: &TypicalNoise,
+    options: &IndirectOptions,
+) -> (Plane, Plane) {
+    let (width, height) = total.size();
+    // Noise of the two averaged window means: a triangle of this width in x and in y.
+    let side = (2 * options.radius_px + 1) as f64;
+    let averaged = ((2.0 * side * side + 1.0) / (3.0 * side.powi(3))).powi(2) * typical.indirect;
+    let mut direct = Plane::filled(width, height, 0.0);
+    let mut noise = Plane::filled(width, height, 0.0);
+    (direct.data_mut(), noise.data_mut()).into_par_iter().enumerate().for_each(|(pixel, (direct, noise))| {
+        if separation.marks[pixel] & (UNSOLVED | OUTSIDE) != 0 {
+            return;
+        }
+        let keep = 1.0 - slope.data()[pixel];
+        *direct = keep * total.data()[pixel] - offset.data()[pixel];
+        // This pixel's noise relative to the typical one scales all parts alike.
+        let plain = plain_noise.data()[pixel];
+        let relative = f64::from(plain).powi(2) / typical.direct.max(f64::MIN_POSITIVE);
+        let variance = relative * (f64::from(keep).powi(2) * typical.total + averaged);
+        *noise = plain.min(variance.sqrt() as f32);
+    });
+    (direct, noise)
+}
+
+fn mean_where(plane: &Plane, keep: impl Fn(usize) -> bool + Sync) -> f64 {
+    let values = plane.data().par_iter().enumerate().filter(|(pixel, _)| keep(*pixel));
+    let (sum, count) =
+        values.map(|(_, &value)| (f64::from(value), 1usize)).reduce(|| (0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    sum / count.max(1) as f64
+}
+
+#[cfg(test)]
+mod tests;
