@@ -24,11 +24,6 @@ impl Window {
     pub fn to_photo(self, (x, y): (f64, f64)) -> (f64, f64) {
         (x * self.scale as f64 + self.x0 as f64, y * self.scale as f64 + self.y0 as f64)
     }
-
-    /// A position in the photo in working pixels.
-    pub fn from_photo(self, (x, y): (f64, f64)) -> (f64, f64) {
-        ((x - self.x0 as f64) / self.scale as f64, (y - self.y0 as f64) / self.scale as f64)
-    }
 }
 
 /// A point on an edge: its position in working pixels and the unit vector toward the brighter side.

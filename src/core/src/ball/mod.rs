@@ -53,6 +53,8 @@ pub struct CircleReport {
     pub residual_rms_px: f64,
     /// Fraction of the rim on which an edge was seen, 0 to 1.
     pub rim_seen: f64,
+    /// How much brighter the ball is just inside its rim than outside, 1 being the photo's white; negative for a dark ball.
+    pub contrast: f64,
     /// Edge points that hold the circle.
     pub points_used: usize,
     /// Edge points refused because they lie off the circle.

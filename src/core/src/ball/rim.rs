@@ -19,7 +19,7 @@ const PLACES: usize = 61;
 /// Edges are looked for in this inner part of a profile.
 const SEARCHED: f64 = 0.8;
 /// Blurs of the lens that are tried, standard deviation in samples of the profile.
-const BLURS: [f64; 4] = [1.5, 3.0, 5.0, 8.0];
+const BLURS: [f64; 5] = [1.5, 3.0, 5.0, 8.0, 12.0];
 /// How many times better than a level the model must fit to be an edge, an F statistic.
 const SIGNIFICANT: f64 = 15.0;
 /// Rim points that are weaker than this fraction of the strong ones may be the end of the light.
@@ -39,7 +39,7 @@ pub(super) struct RimPoint {
     /// Standard deviation across the rim, pixels.
     pub sd_px: f64,
     /// How much brighter it is just inside than outside.
-    height: f64,
+    pub height: f64,
 }
 
 /// Looks for the rim within `half_width_px` of a circle, at `count` places around it. Keeps the polarity that most of it has.

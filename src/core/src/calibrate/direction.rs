@@ -78,7 +78,7 @@ pub(super) fn check_circle_sd(value: f64) -> Result<(), CalibrateError> {
 
 pub(super) fn check_lamp_distance(distance: Option<f64>) -> Result<(), CalibrateError> {
     match distance {
-        Some(value) if !(value > 1.5 && value.is_finite()) => {
+        Some(value) if !(1.5..f64::INFINITY).contains(&value) => {
             Err(CalibrateError::BadOption { option: "lamp_distance_radii", value, expected: "more than 1.5" })
         }
         _ => Ok(()),

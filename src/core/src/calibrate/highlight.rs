@@ -114,7 +114,7 @@ pub fn find_highlights(
     let view = BallView::new(&photo.linear, ball, options.max_radii);
     let mut values: Vec<f64> = view.light.data().iter().map(|&v| f64::from(v)).collect();
     let (background, brightest) = (quantile(&mut values, 0.5), quantile(&mut values, 1.0));
-    if !(brightest > 3.0 * background.max(1e-4)) {
+    if brightest <= 3.0 * background.max(1e-3) {
         return Err(CalibrateError::NoHighlight { peak: brightest });
     }
     let spots = components(&view.light, options.min_peak * brightest);

@@ -169,7 +169,7 @@ impl PixelOptions {
         if !(0.0..0.9).contains(&self.min_cosine) {
             return bad("min_cosine", self.min_cosine, "between 0 and 0.9");
         }
-        if !(self.max_deviations >= 2.0) {
+        if self.max_deviations.is_nan() || self.max_deviations < 2.0 {
             return bad("max_deviations", self.max_deviations, "2 or more");
         }
         if !(0.0..=1.0).contains(&self.max_clipped) {

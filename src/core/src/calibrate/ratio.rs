@@ -17,13 +17,13 @@ pub struct RatioOptions {
     /// Which pixels are good enough.
     pub pixels: PixelOptions,
     /// Standard deviation of the black level that was subtracted, in linear light. It shifts both photos of a ratio and no
-    /// scatter between pixels shows it. Default: one step of a 16-bit file.
+    /// scatter between pixels shows it. Default: one step of a 14-bit sensor.
     pub black_level_sd: f64,
 }
 
 impl Default for RatioOptions {
     fn default() -> Self {
-        Self { pixels: PixelOptions::default(), black_level_sd: 1.0 / 65535.0 }
+        Self { pixels: PixelOptions::default(), black_level_sd: 1.0 / 16384.0 }
     }
 }
 
