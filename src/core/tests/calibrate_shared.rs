@@ -6,7 +6,7 @@ mod shared_sets;
 
 use firstbounce_core::{
     Photo,
-    ball::{Ball, Circle, CircleOptions, CircleReport, View, find_circle, refine_circle},
+    ball::{Ball, BallError, Circle, CircleOptions, CircleReport, View, find_circle, refine_circle},
     calibrate::*,
     interval::{Estimate, Interval},
 };
@@ -201,6 +201,17 @@ fn balls_are_found_without_a_click() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn a_mirror_ball_of_which_only_the_highlight_shows_is_not_made_up() {
+    let Some(data) = shared_data() else { return };
+    for set in &SETS {
+        let photos: Vec<Photo> = set.lights.iter().map(|light| set.mirror(&data, light)).collect();
+        let planes: Vec<_> = photos.iter().map(|photo| &photo.linear).collect();
+        let error = find_circle(&planes, None, &CircleOptions::default()).unwrap_err();
+        assert!(matches!(error, BallError::NotFound { .. }), "{}: {error}", set.name);
     }
 }
 

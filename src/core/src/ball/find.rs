@@ -27,7 +27,8 @@ const SCATTERED: f64 = 0.28;
 /// How to look for a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CircleOptions {
-    /// The smallest radius to look for, in pixels. Without a click, a ball also has to be larger than 1 % of the photo's side.
+    /// The smallest radius to look for, in pixels. Without a click, a ball also has to be larger than 1 % of the
+    /// photo's side.
     pub min_radius_px: f64,
     /// The fraction of the rim on which an edge must be seen, 0.1 to 1.
     pub min_rim_seen: f64,
@@ -53,11 +54,11 @@ impl CircleOptions {
     }
 }
 
-/// Finds a ball that stands in the same place in all `images` (one lamp each, linear light), from a click `near_px` inside it
-/// or from nothing.
+/// Finds a ball that stands in the same place in all `images` (one lamp each, linear light), from a click `near_px`
+/// inside it or from nothing.
 ///
-/// Without a click the ball with the largest visible rim is taken. Errors: no photo, sizes that differ, no circle with enough
-/// of its rim in view.
+/// Without a click the ball with the largest visible rim is taken. Errors: no photo, sizes that differ, no circle with
+/// enough of its rim in view.
 pub fn find_circle(
     images: &[&Plane],
     near_px: Option<(f64, f64)>,
@@ -74,7 +75,8 @@ pub fn find_circle(
     search(images, &windows(size, near_px), wanted, options)
 }
 
-/// Snaps a rough circle, as drawn by hand, to the edge of the ball under it: centre and radius within a quarter of its radius.
+/// Snaps a rough circle, as drawn by hand, to the edge of the ball under it: centre and radius within a quarter of its
+/// radius.
 ///
 /// Errors as in [`find_circle`].
 pub fn refine_circle(images: &[&Plane], rough: &Circle, options: &CircleOptions) -> Result<CircleReport, BallError> {
@@ -119,8 +121,8 @@ fn search(
     accept(best_of(found), best_proposal, options)
 }
 
-/// The circle with most merit; but where light ends on a ball looks like a fainter rim inside its true one, so among circles that
-/// overlap that one by most and are nearly as good, the one of most contrast.
+/// The circle with most merit; but where light ends on a ball looks like a fainter rim inside its true one, so among
+/// circles that overlap that one by most and are nearly as good, the one of most contrast.
 fn best_of(found: Vec<CircleReport>) -> Option<CircleReport> {
     let first = found.iter().max_by(|a, b| merit(a).total_cmp(&merit(b)))?;
     let (circle, enough) = (first.circle, 0.5 * merit(first));
@@ -153,9 +155,9 @@ fn merit(report: &CircleReport) -> f64 {
     report.rim_seen * agreed * report.circle.radius_px.sqrt() / (1.0 + report.residual_rms_px)
 }
 
-/// Follows the rim from a rough circle in ever narrower bands, and twice in the narrowest: wide enough for the blur of a
-/// lens that fills the sensor with a ball, narrow enough to leave the neighbourhood out. `None` where the points scatter over the
-/// band instead of lying on a circle.
+/// Follows the rim from a rough circle in ever narrower bands, and twice in the narrowest: wide enough for the blur of
+/// a lens that fills the sensor with a ball, narrow enough to leave the neighbourhood out. `None` where the points
+/// scatter over the band instead of lying on a circle.
 fn measure(images: &[&Plane], rough: &Circle, half_width_px: f64) -> Option<CircleReport> {
     let finest_px = (0.02 * rough.radius_px).clamp(3.0, 12.0);
     let every_pixel = ((std::f64::consts::TAU * rough.radius_px) as usize).clamp(180, 1440);
@@ -190,7 +192,8 @@ fn common_size(images: &[&Plane]) -> Result<(usize, usize), BallError> {
     }
 }
 
-/// Where to look: everywhere; or around the click, in squares that double, so that a small ball is not lost in a large photo.
+/// Where to look: everywhere; or around the click, in squares that double, so that a small ball is not lost in a large
+/// photo.
 fn windows((width, height): (usize, usize), near_px: Option<(f64, f64)>) -> Vec<Window> {
     let Some((x, y)) = near_px else {
         return vec![Window::new(0..width, 0..height, WORKING_SIDE)];

@@ -13,8 +13,9 @@ const SCATTER_PX: f64 = 0.03;
 /// Error of the circle that is the same all round and that no scatter shows: the blur model, the pixel grid.
 const COMMON_SD_PX: f64 = 0.03;
 
-/// Fits a circle to the points by least squares on their distance (geometric fit, Gauss-Newton with Tukey weights), starting at
-/// `start`; `places` is how many points the whole rim would have given. `None` if they do not hold a circle.
+/// Fits a circle to the points by least squares on their distance (geometric fit, Gauss-Newton with Tukey weights),
+/// starting at `start`; `places` is how many points the whole rim would have given. `None` if they do not hold a
+/// circle.
 pub(super) fn fit_circle(points: &[RimPoint], places: usize, start: &Circle) -> Option<CircleReport> {
     let (circle, scale) = converge(points, *start)?;
     let used: Vec<&RimPoint> = points.iter().filter(|p| weight(distance(p, &circle), scale) > 0.0).collect();

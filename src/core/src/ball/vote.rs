@@ -26,8 +26,9 @@ impl Proposal {
     }
 }
 
-/// The best circles through the edge points, best first and well apart: random sampling of two points with the direction
-/// of their gradients (Fischler and Bolles 1981). Only circles that are `wanted`, in working pixels, are tried. The sampling is seeded, so that the same photo gives the same circle.
+/// The best circles through the edge points, best first and well apart: random sampling of two points with the
+/// direction of their gradients (Fischler and Bolles 1981). Only circles that are `wanted`, in working pixels, are
+/// tried. The sampling is seeded, so that the same photo gives the same circle.
 pub(super) fn propose(points: &[EdgePoint], wanted: impl Fn(&Circle) -> bool, count: usize) -> Vec<Proposal> {
     if points.len() < 8 {
         return Vec::new();
@@ -60,8 +61,8 @@ pub(super) fn propose(points: &[EdgePoint], wanted: impl Fn(&Circle) -> bool, co
     apart
 }
 
-/// The circle through two points whose centre lies on the first one's gradient, if the second's gradient points there too;
-/// and whether it is brighter inside.
+/// The circle through two points whose centre lies on the first one's gradient, if the second's gradient points there
+/// too; and whether it is brighter inside.
 fn circle_through(first: &EdgePoint, second: &EdgePoint) -> Option<(Circle, bool)> {
     let (dx, dy) = (second.x - first.x, second.y - first.y);
     let along = dx * first.uphill.0 + dy * first.uphill.1;

@@ -33,14 +33,20 @@ pub enum PixelUse {
 
 /// Pixels of a ball by what became of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub struct PixelCounts {
+    /// [`PixelUse::Used`].
     pub used: usize,
+    /// [`PixelUse::Clipped`].
     pub clipped: usize,
+    /// [`PixelUse::Dark`].
     pub dark: usize,
+    /// [`PixelUse::NearRim`].
     pub near_rim: usize,
+    /// [`PixelUse::NearTerminator`].
     pub near_terminator: usize,
+    /// [`PixelUse::Highlight`].
     pub highlight: usize,
+    /// [`PixelUse::Outlier`].
     pub outlier: usize,
 }
 
