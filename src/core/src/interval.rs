@@ -1,8 +1,8 @@
 //! Values with 95 % intervals, and the jackknife that finds them.
 //!
 //! Residuals of a ball are alike in neighbouring pixels (dust, gloss, a lamp that is not quite a point), so pixels must
-//! not be counted as independent. The jackknife leaves out one region of the ball at a time instead and sees how far the
-//! answer moves; that takes in what a noise model does not know of.
+//! not be counted as independent. The jackknife leaves out one region of the ball at a time instead and sees how far
+//! the answer moves; that takes in what a noise model does not know of.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -71,8 +71,8 @@ pub struct Jackknifed<const N: usize> {
 }
 
 /// Delete-a-group jackknife for groups of unequal size (Busing, Meijer, van der Leeden, Statistics and Computing 1999,
-/// equation 3). `sizes` counts the data in each group; `estimate(Some(j))` answers without group `j`, `estimate(None)` from
-/// all. `None` where an estimate cannot be made or fewer than three groups hold data.
+/// equation 3). `sizes` counts the data in each group; `estimate(Some(j))` answers without group `j`, `estimate(None)`
+/// from all. `None` where an estimate cannot be made or fewer than three groups hold data.
 pub fn jackknife<const N: usize>(
     sizes: &[usize],
     estimate: impl Fn(Option<usize>) -> Option<SVector<f64, N>>,

@@ -24,11 +24,6 @@ impl Window {
     pub fn to_photo(self, (x, y): (f64, f64)) -> (f64, f64) {
         (x * self.scale as f64 + self.x0 as f64, y * self.scale as f64 + self.y0 as f64)
     }
-
-    /// A position in the photo in working pixels.
-    pub fn from_photo(self, (x, y): (f64, f64)) -> (f64, f64) {
-        ((x - self.x0 as f64) / self.scale as f64, (y - self.y0 as f64) / self.scale as f64)
-    }
 }
 
 /// A point on an edge: its position in working pixels and the unit vector toward the brighter side.
@@ -48,7 +43,8 @@ pub(super) fn white_of(image: &Plane) -> f64 {
     quantile(&mut sample, 0.995).max(1e-6)
 }
 
-/// A square root evens out the noise of photons and lets the edge of a dark ball count; the offset keeps it finite at zero.
+/// A square root evens out the noise of photons and lets the edge of a dark ball count; the offset keeps it finite at
+/// zero.
 pub(super) fn evened(linear: f64, white: f64) -> f64 {
     const FLOOR: f64 = 0.003;
     ((linear / white).clamp(0.0, 1.0) + FLOOR).sqrt()

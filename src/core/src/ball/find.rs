@@ -5,7 +5,7 @@ use super::{
     edges::{Window, edge_points, working_image},
     fit::fit_circle,
     rim::rim_points,
-    vote::{Wanted, propose},
+    vote::propose,
 };
 use crate::Plane;
 
@@ -15,11 +15,20 @@ const WORKING_SIDE: usize = 640;
 const EDGE_POINTS: usize = 8000;
 /// Circles that are measured before the best is taken.
 const PROPOSALS: usize = 6;
+/// Smaller circles cannot be told from noise in the reduced photo.
+const MIN_WORKING_RADIUS: f64 = 5.0;
+
+/// Rim points that leave the circle more uncertain than this many radii, and this many pixels, lie on several things.
+const LOOSE_RADII: f64 = 0.003;
+const LOOSE_PX: f64 = 0.3;
+/// Rim points of which the root mean square distance is more of the band's half width lie anywhere in it.
+const SCATTERED: f64 = 0.28;
 
 /// How to look for a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CircleOptions {
-    /// The smallest radius to look for, in pixels. Without a click, a ball also has to be larger than 1 % of the photo's side.
+    /// The smallest radius to look for, in pixels. Without a click, a ball also has to be larger than 1 % of the
+    /// photo's side.
     pub min_radius_px: f64,
     /// The fraction of the rim on which an edge must be seen, 0.1 to 1.
     pub min_rim_seen: f64,
@@ -35,7 +44,7 @@ impl CircleOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), BallError> {
         let bad = |option, value, expected| Err(BallError::BadOption { option, value, expected });
-        if !(self.min_radius_px >= 3.0) {
+        if self.min_radius_px.is_nan() || self.min_radius_px < 3.0 {
             return bad("min_radius_px", self.min_radius_px, "3 or more");
         }
         if !(0.1..=1.0).contains(&self.min_rim_seen) {
@@ -45,11 +54,11 @@ impl CircleOptions {
     }
 }
 
-/// Finds a ball that stands in the same place in all `images` (one lamp each, linear light), from a click `near_px` inside it
-/// or from nothing.
+/// Finds a ball that stands in the same place in all `images` (one lamp each, linear light), from a click `near_px`
+/// inside it or from nothing.
 ///
-/// Without a click the ball with the largest visible rim is taken. Errors: no photo, sizes that differ, no circle with enough
-/// of its rim in view.
+/// Without a click the ball with the largest visible rim is taken. Errors: no photo, sizes that differ, no circle with
+/// enough of its rim in view.
 pub fn find_circle(
     images: &[&Plane],
     near_px: Option<(f64, f64)>,
@@ -57,44 +66,73 @@ pub fn find_circle(
 ) -> Result<CircleReport, BallError> {
     options.check()?;
     let size = common_size(images)?;
-    let mut best: Option<CircleReport> = None;
+    let wanted = |circle: &Circle| {
+        let fits = circle.radius_px >= options.min_radius_px && circle.radius_px <= 0.75 * size.0.max(size.1) as f64;
+        let (x, y) = circle.centre_px;
+        let in_photo = x > 0.0 && y > 0.0 && x < size.0 as f64 && y < size.1 as f64;
+        fits && in_photo && near_px.is_none_or(|(x, y)| circle.radii_from_centre(x, y) < 1.05)
+    };
+    search(images, &windows(size, near_px), wanted, options)
+}
+
+/// Snaps a rough circle, as drawn by hand, to the edge of the ball under it: centre and radius within a quarter of its
+/// radius.
+///
+/// Errors as in [`find_circle`].
+pub fn refine_circle(images: &[&Plane], rough: &Circle, options: &CircleOptions) -> Result<CircleReport, BallError> {
+    options.check()?;
+    let size = common_size(images)?;
+    let reach = 1.6 * rough.radius_px;
+    let window = square(size, rough.centre_px, reach, WORKING_SIDE);
+    let wanted = |circle: &Circle| {
+        let (x, y) = circle.centre_px;
+        let moved = (x - rough.centre_px.0).hypot(y - rough.centre_px.1);
+        moved < 0.25 * rough.radius_px && (circle.radius_px - rough.radius_px).abs() < 0.25 * rough.radius_px
+    };
+    search(images, &[window], wanted, options)
+}
+
+/// Proposes circles in each window, follows their rims in the photos and takes the best.
+fn search(
+    images: &[&Plane],
+    windows: &[Window],
+    wanted: impl Fn(&Circle) -> bool,
+    options: &CircleOptions,
+) -> Result<CircleReport, BallError> {
+    let mut found: Vec<CircleReport> = Vec::new();
     let mut best_proposal: Option<(Circle, f64)> = None;
-    for window in windows(size, near_px) {
-        let points = edge_points(&working_image(images, window), EDGE_POINTS);
+    for &window in windows {
         let scale = window.scale as f64;
-        let wanted = Wanted {
-            radius_px: ((options.min_radius_px / scale).max(5.0), 0.75 * window.width.max(window.height) as f64),
-            size: (window.width, window.height),
-            around: near_px.map(|near| window.from_photo(near)),
+        let points = edge_points(&working_image(images, window), EDGE_POINTS);
+        let in_photo = |circle: &Circle| Circle {
+            centre_px: window.to_photo(circle.centre_px),
+            radius_px: circle.radius_px * scale,
         };
-        for proposal in propose(&points, wanted, PROPOSALS) {
-            let rough = Circle {
-                centre_px: window.to_photo(proposal.circle.centre_px),
-                radius_px: proposal.circle.radius_px * scale,
-            };
+        let visible = |circle: &Circle| circle.radius_px >= MIN_WORKING_RADIUS && wanted(&in_photo(circle));
+        for proposal in propose(&points, visible, PROPOSALS) {
+            let rough = in_photo(&proposal.circle);
             if best_proposal.is_none_or(|(_, support)| proposal.support > support) {
                 best_proposal = Some((rough, proposal.support));
             }
-            let Some(found) = measure(images, &rough, 2.5 * scale + 2.0) else { continue };
-            let stayed = near_px.is_none_or(|(x, y)| found.circle.radii_from_centre(x, y) < 1.1);
-            if stayed && best.as_ref().is_none_or(|best| merit(&found) > merit(best)) {
-                best = Some(found);
-            }
+            let measured = measure(images, &rough, 2.5 * scale + 2.0);
+            found.extend(measured.filter(|report| wanted(&report.circle)));
         }
     }
-    accept(best, best_proposal, options)
+    accept(best_of(found), best_proposal, options)
 }
 
-/// Snaps a rough circle, as drawn by hand, to the edge of the ball under it: within a quarter of its radius.
-pub fn refine_circle(images: &[&Plane], rough: &Circle, options: &CircleOptions) -> Result<CircleReport, BallError> {
-    options.check()?;
-    common_size(images)?;
-    let reach = |fraction: f64| (fraction * rough.radius_px).max(3.0);
-    let found = [0.06, 0.12, 0.25]
-        .into_iter()
-        .filter_map(|fraction| measure(images, rough, reach(fraction)))
-        .max_by(|a, b| merit(a).total_cmp(&merit(b)));
-    accept(found, None, options)
+/// The circle with most merit; but where light ends on a ball looks like a fainter rim inside its true one, so among
+/// circles that overlap that one by most and are nearly as good, the one of most contrast.
+fn best_of(found: Vec<CircleReport>) -> Option<CircleReport> {
+    let first = found.iter().max_by(|a, b| merit(a).total_cmp(&merit(b)))?;
+    let (circle, enough) = (first.circle, 0.5 * merit(first));
+    let rivals = |report: &CircleReport| {
+        let (x, y) = report.circle.centre_px;
+        let apart = (x - circle.centre_px.0).hypot(y - circle.centre_px.1);
+        apart + (report.circle.radius_px - circle.radius_px).abs() < 0.4 * circle.radius_px && merit(report) >= enough
+    };
+    let strength = |report: &CircleReport| report.contrast.abs() * merit(report);
+    found.into_iter().filter(rivals).max_by(|a, b| strength(a).total_cmp(&strength(b)))
 }
 
 fn accept(
@@ -117,15 +155,19 @@ fn merit(report: &CircleReport) -> f64 {
     report.rim_seen * agreed * report.circle.radius_px.sqrt() / (1.0 + report.residual_rms_px)
 }
 
-/// Follows the rim from a rough circle in ever narrower bands, and twice in the narrowest: wide enough for the blur of a
-/// lens that fills the sensor with a ball, narrow enough to leave the neighbourhood out.
+/// Follows the rim from a rough circle in ever narrower bands, and twice in the narrowest: wide enough for the blur of
+/// a lens that fills the sensor with a ball, narrow enough to leave the neighbourhood out. `None` where the points
+/// scatter over the band instead of lying on a circle.
 fn measure(images: &[&Plane], rough: &Circle, half_width_px: f64) -> Option<CircleReport> {
-    let finest_px = (0.015 * rough.radius_px).clamp(3.0, 12.0);
+    let finest_px = (0.02 * rough.radius_px).clamp(3.0, 12.0);
     let every_pixel = ((std::f64::consts::TAU * rough.radius_px) as usize).clamp(180, 1440);
+    let fit = |circle: &Circle, half_width: f64, places: usize| {
+        fit_circle(&rim_points(images, circle, half_width, places), places, circle)
+    };
     let mut circle = *rough;
     let mut half_width = half_width_px;
     loop {
-        let report = fit_circle(&rim_points(images, &circle, half_width, 180), &circle)?;
+        let report = fit(&circle, half_width, 180)?;
         let (x, y) = report.circle.centre_px;
         let moved = (x - rough.centre_px.0).hypot(y - rough.centre_px.1);
         if moved > 2.0 * half_width_px || !(0.5..2.0).contains(&(report.circle.radius_px / rough.radius_px)) {
@@ -133,7 +175,10 @@ fn measure(images: &[&Plane], rough: &Circle, half_width_px: f64) -> Option<Circ
         }
         circle = report.circle;
         if half_width <= finest_px {
-            return fit_circle(&rim_points(images, &circle, finest_px, every_pixel), &circle);
+            let loosest_px = LOOSE_PX.max(LOOSE_RADII * circle.radius_px);
+            let firm =
+                |report: &CircleReport| report.sd_px < loosest_px && report.residual_rms_px < SCATTERED * finest_px;
+            return fit(&circle, finest_px, every_pixel).filter(firm);
         }
         half_width = (0.5 * half_width).max(finest_px);
     }
@@ -147,23 +192,29 @@ fn common_size(images: &[&Plane]) -> Result<(usize, usize), BallError> {
     }
 }
 
-/// Where to look: everywhere; or around the click, in squares that double, so that a small ball is not lost in a large photo.
+/// Where to look: everywhere; or around the click, in squares that double, so that a small ball is not lost in a large
+/// photo.
 fn windows((width, height): (usize, usize), near_px: Option<(f64, f64)>) -> Vec<Window> {
     let Some((x, y)) = near_px else {
         return vec![Window::new(0..width, 0..height, WORKING_SIDE)];
     };
-    let clip = |centre: f64, half: f64, side: usize| {
-        let low = (centre - half).max(0.0) as usize;
-        let high = ((centre + half).max(0.0) as usize).min(side);
-        low.min(high)..high
-    };
     let mut windows = Vec::new();
     let mut half = 80.0;
     loop {
-        windows.push(Window::new(clip(x, half, width), clip(y, half, height), WORKING_SIDE / 2));
+        windows.push(square((width, height), (x, y), half, WORKING_SIDE / 2));
         if half >= width.max(height) as f64 {
             return windows;
         }
         half *= 2.0;
     }
+}
+
+/// The part of a square around a point that lies in the photo.
+fn square((width, height): (usize, usize), (x, y): (f64, f64), half: f64, max_side: usize) -> Window {
+    let clip = |centre: f64, side: usize| {
+        let low = (centre - half).max(0.0) as usize;
+        let high = ((centre + half).max(0.0) as usize).min(side);
+        low.min(high)..high
+    };
+    Window::new(clip(x, width), clip(y, height), max_side)
 }

@@ -4,9 +4,8 @@ use super::{Circle, CircleReport, rim::RimPoint};
 use crate::interval::{Interval, coverage_factor, jackknife, robust_sd};
 use nalgebra::{Matrix3, Vector3};
 
-/// Sectors of the rim that the jackknife leaves out in turn, and in which the rim counts as seen or not.
-const SECTORS: usize = 72;
-const LEFT_OUT_TOGETHER: usize = 6;
+/// Sectors of the rim that the jackknife leaves out in turn.
+const SECTORS: usize = 12;
 /// Beyond this many standard deviations a point has no say (Tukey's biweight at 95 % efficiency).
 const TUKEY: f64 = 4.685;
 /// Scatter that rim points have beyond their own standard deviations: pixels are square, rims are not perfect.
@@ -14,19 +13,17 @@ const SCATTER_PX: f64 = 0.03;
 /// Error of the circle that is the same all round and that no scatter shows: the blur model, the pixel grid.
 const COMMON_SD_PX: f64 = 0.03;
 
-/// Fits a circle to the points by least squares on their distance (geometric fit, Gauss-Newton with Tukey weights), starting at
-/// `start`. `None` if they do not hold a circle.
-pub(super) fn fit_circle(points: &[RimPoint], start: &Circle) -> Option<CircleReport> {
+/// Fits a circle to the points by least squares on their distance (geometric fit, Gauss-Newton with Tukey weights),
+/// starting at `start`; `places` is how many points the whole rim would have given. `None` if they do not hold a
+/// circle.
+pub(super) fn fit_circle(points: &[RimPoint], places: usize, start: &Circle) -> Option<CircleReport> {
     let (circle, scale) = converge(points, *start)?;
     let used: Vec<&RimPoint> = points.iter().filter(|p| weight(distance(p, &circle), scale) > 0.0).collect();
     let sector = |p: &RimPoint| ((p.turn * SECTORS as f64) as usize).min(SECTORS - 1);
     let mut counts = [0usize; SECTORS];
     used.iter().for_each(|p| counts[sector(p)] += 1);
-    let rim_seen = counts.iter().filter(|&&n| n > 0).count() as f64 / SECTORS as f64;
-
-    let sizes: Vec<usize> = counts.chunks(LEFT_OUT_TOGETHER).map(|chunk| chunk.iter().sum()).collect();
-    let spread = jackknife(&sizes, |left_out| {
-        let kept = used.iter().copied().filter(|p| Some(sector(p) / LEFT_OUT_TOGETHER) != left_out);
+    let spread = jackknife(&counts, |left_out| {
+        let kept = used.iter().copied().filter(|p| Some(sector(p)) != left_out);
         Some(vector(&refined(kept, &circle, scale)?))
     })?;
     let sd = spread.covariance.diagonal().map(|variance| (variance + COMMON_SD_PX.powi(2)).sqrt());
@@ -38,7 +35,8 @@ pub(super) fn fit_circle(points: &[RimPoint], start: &Circle) -> Option<CircleRe
         radius_interval_px: around(circle.radius_px, sd[2]),
         sd_px: sd.max(),
         residual_rms_px: (squared / used.len() as f64).sqrt(),
-        rim_seen,
+        rim_seen: used.len() as f64 / places as f64,
+        contrast: used.iter().map(|p| p.height).sum::<f64>() / used.len() as f64,
         points_used: used.len(),
         points_refused: points.len() - used.len(),
     })

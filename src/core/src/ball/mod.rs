@@ -47,12 +47,16 @@ pub struct CircleReport {
     pub centre_interval_px: (Interval, Interval),
     /// 95 % interval of the radius in pixels.
     pub radius_interval_px: Interval,
-    /// Standard deviation of the centre (the larger axis) and the radius together, for what is computed from the circle.
+    /// The largest of the standard deviations of centre x, centre y and radius; `circle_sd_px` of the calibration
+    /// options.
     pub sd_px: f64,
     /// Root mean square distance of the edge points used from the circle, in pixels.
     pub residual_rms_px: f64,
     /// Fraction of the rim on which an edge was seen, 0 to 1.
     pub rim_seen: f64,
+    /// How much brighter the ball is just inside its rim than outside, 1 being the photo's white; negative for a dark
+    /// ball.
+    pub contrast: f64,
     /// Edge points that hold the circle.
     pub points_used: usize,
     /// Edge points refused because they lie off the circle.

@@ -1,12 +1,12 @@
 //! Edge points on the rim, to a fraction of a pixel.
 //!
-//! Just inside the rim of a ball the light does not stay level: the normal turns by the square root of the distance to the
-//! rim, and with it the shading of a painted ball and the reflection in a mirror. A plain search for the steepest place is
-//! drawn inward by that. So each profile across the rim is fitted by an edge model: one level outside, inside a step and a
-//! square root, blurred alike. The edge is where the model fits best.
+//! Just inside the rim of a ball the light does not stay level: the normal turns by the square root of the distance to
+//! the rim, and with it the shading of a painted ball and the reflection in a mirror. A plain search for the steepest
+//! place is drawn inward by that. So each profile across the rim is fitted by an edge model: one level outside, inside
+//! a step and a square root, blurred alike. The edge is where the model fits best.
 //!
-//! On the side away from a lamp the light ends before the rim does, and that looks like a faint edge. So each part of the rim
-//! is taken from the lamp that shows it most strongly, and parts that no lamp shows strongly are left out.
+//! On the side away from a lamp the light ends before the rim does, and that looks like a faint edge. So each part of
+//! the rim is taken from the lamp that shows it most strongly, and parts that no lamp shows strongly are left out.
 
 use super::{Circle, edges::white_of};
 use crate::{Plane, interval::quantile};
@@ -19,7 +19,7 @@ const PLACES: usize = 61;
 /// Edges are looked for in this inner part of a profile.
 const SEARCHED: f64 = 0.8;
 /// Blurs of the lens that are tried, standard deviation in samples of the profile.
-const BLURS: [f64; 4] = [1.5, 3.0, 5.0, 8.0];
+const BLURS: [f64; 5] = [1.5, 3.0, 5.0, 8.0, 12.0];
 /// How many times better than a level the model must fit to be an edge, an F statistic.
 const SIGNIFICANT: f64 = 15.0;
 /// Rim points that are weaker than this fraction of the strong ones may be the end of the light.
@@ -39,10 +39,11 @@ pub(super) struct RimPoint {
     /// Standard deviation across the rim, pixels.
     pub sd_px: f64,
     /// How much brighter it is just inside than outside.
-    height: f64,
+    pub height: f64,
 }
 
-/// Looks for the rim within `half_width_px` of a circle, at `count` places around it. Keeps the polarity that most of it has.
+/// Looks for the rim within `half_width_px` of a circle, at `count` places around it. Keeps the polarity that most of
+/// it has.
 pub(super) fn rim_points(images: &[&Plane], circle: &Circle, half_width_px: f64, count: usize) -> Vec<RimPoint> {
     let whites: Vec<f64> = images.iter().map(|image| white_of(image)).collect();
     let profiles_at = |index: usize| {
@@ -137,7 +138,8 @@ impl EdgeModel {
         Self { places }
     }
 
-    /// The best place of the edge; `None` where a level explains the profile nearly as well, or the place is at the end.
+    /// The best place of the edge; `None` where a level explains the profile nearly as well, or the place is at the
+    /// end.
     fn fit(&self, values: &[f64; SAMPLES]) -> Option<EdgeFit> {
         let energy: f64 = values.iter().map(|v| v * v).sum();
         let misfits: [f64; PLACES] = std::array::from_fn(|place| {

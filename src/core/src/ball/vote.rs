@@ -11,15 +11,6 @@ const TOLERANCE_PX: f64 = 1.5;
 const PAIRS: u64 = 200_000;
 const TRIED: usize = 2500;
 
-/// What a circle must be like to be proposed, in working pixels.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
-    pub radius_px: (f64, f64),
-    pub size: (usize, usize),
-    /// A point that must lie inside.
-    pub around: Option<(f64, f64)>,
-}
-
 /// A proposed circle and the fraction of its rim that edge points support.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Proposal {
@@ -35,9 +26,10 @@ impl Proposal {
     }
 }
 
-/// The best circles through the edge points, best first and well apart: random sampling of two points with the direction
-/// of their gradients (Fischler and Bolles 1981). The sampling is seeded, so that the same photo gives the same circle.
-pub(super) fn propose(points: &[EdgePoint], wanted: Wanted, count: usize) -> Vec<Proposal> {
+/// The best circles through the edge points, best first and well apart: random sampling of two points with the
+/// direction of their gradients (Fischler and Bolles 1981). Only circles that are `wanted`, in working pixels, are
+/// tried. The sampling is seeded, so that the same photo gives the same circle.
+pub(super) fn propose(points: &[EdgePoint], wanted: impl Fn(&Circle) -> bool, count: usize) -> Vec<Proposal> {
     if points.len() < 8 {
         return Vec::new();
     }
@@ -46,7 +38,7 @@ pub(super) fn propose(points: &[EdgePoint], wanted: Wanted, count: usize) -> Vec
             let random = scrambled(draw);
             let first = &points[(random >> 32) as usize % points.len()];
             let second = &points[(random & 0xffff_ffff) as usize % points.len()];
-            circle_through(first, second).filter(|&(circle, _)| is_wanted(&circle, wanted))
+            circle_through(first, second).filter(|(circle, _)| wanted(circle))
         })
         .take(TRIED)
         .collect();
@@ -69,8 +61,8 @@ pub(super) fn propose(points: &[EdgePoint], wanted: Wanted, count: usize) -> Vec
     apart
 }
 
-/// The circle through two points whose centre lies on the first one's gradient, if the second's gradient points there too;
-/// and whether it is brighter inside.
+/// The circle through two points whose centre lies on the first one's gradient, if the second's gradient points there
+/// too; and whether it is brighter inside.
 fn circle_through(first: &EdgePoint, second: &EdgePoint) -> Option<(Circle, bool)> {
     let (dx, dy) = (second.x - first.x, second.y - first.y);
     let along = dx * first.uphill.0 + dy * first.uphill.1;
@@ -82,13 +74,6 @@ fn circle_through(first: &EdgePoint, second: &EdgePoint) -> Option<(Circle, bool
     let (to_x, to_y) = (centre_px.0 - second.x, centre_px.1 - second.y);
     let aligned = (to_x * second.uphill.0 + to_y * second.uphill.1) / reach;
     (aligned > 0.97).then_some((Circle { centre_px, radius_px: reach.abs() }, reach > 0.0))
-}
-
-fn is_wanted(circle: &Circle, wanted: Wanted) -> bool {
-    let (x, y) = circle.centre_px;
-    let in_image = x > 0.0 && y > 0.0 && x < wanted.size.0 as f64 && y < wanted.size.1 as f64;
-    let right_size = (wanted.radius_px.0..=wanted.radius_px.1).contains(&circle.radius_px);
-    in_image && right_size && wanted.around.is_none_or(|(x, y)| circle.radii_from_centre(x, y) < 1.05)
 }
 
 /// The fraction of rim sectors that hold an edge point on the circle, facing its centre.

@@ -70,9 +70,10 @@ pub struct CombinedDirection {
 
 /// Combines the sources of one light's direction, the most trusted first.
 ///
-/// Sources that agree with the first are averaged, weighted by the inverse square of their half angles. Two sources disagree
-/// where they differ by more than their half angles together allow, and by more than `floor_deg` (1 degree is usual: balls are not
-/// perfect); the first source then stands alone against that one, and its region is widened to hold both.
+/// Sources that agree with the first are averaged, weighted by the inverse square of their half angles. Two sources
+/// disagree where they differ by more than their half angles together allow, and by more than `floor_deg` (1 degree is
+/// usual: balls are not perfect); the first source then stands alone against that one, and its region is widened to
+/// hold both.
 pub fn combine_directions(sources: &[SourcedDirection], floor_deg: f64) -> Result<CombinedDirection, CalibrateError> {
     let Some(first) = sources.first() else {
         return Err(CalibrateError::NothingMeasured { quantity: "a direction" });

@@ -23,13 +23,14 @@ pub struct DirectionEstimate {
 }
 
 impl DirectionEstimate {
-    /// A direction whose error has this covariance, found from `groups` independent parts. Only the part of the error across
-    /// the direction counts: its length is one.
+    /// A direction whose error has this covariance, found from `groups` independent parts. Only the part of the error
+    /// across the direction counts: its length is one.
     pub(super) fn new(direction_to_light: Vector3<f64>, covariance: &Matrix3<f64>, groups: usize) -> Self {
         let across = Matrix3::identity() - direction_to_light * direction_to_light.transpose();
         let covariance = across * covariance * across;
         let factor = coverage_factor(groups);
-        // In two dimensions the 95 % circle is 2.45 standard deviations wide where the interval is 1.96; the widest axis bounds it.
+        // In two dimensions the 95 % circle is 2.45 standard deviations wide where the interval is 1.96; the widest
+        // axis bounds it.
         let widest = covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
         let component = |i: usize| {
             let half_width = (factor * covariance[(i, i)].max(0.0).sqrt()).max(factor * widest * widest / 2.0);
@@ -48,7 +49,8 @@ impl DirectionEstimate {
 pub struct ShadingOptions {
     /// Which pixels are good enough.
     pub pixels: PixelOptions,
-    /// Standard deviation of the circle's centre (each axis) and radius in pixels; [`crate::ball::CircleReport::sd_px`].
+    /// Standard deviation of the circle's centre (each axis) and radius in pixels;
+    /// [`crate::ball::CircleReport::sd_px`].
     pub circle_sd_px: f64,
     /// Distance from the ball's centre to the lamp in ball radii, for a near lamp; absent for a distant one.
     pub lamp_distance_radii: Option<f64>,
@@ -78,7 +80,7 @@ pub(super) fn check_circle_sd(value: f64) -> Result<(), CalibrateError> {
 
 pub(super) fn check_lamp_distance(distance: Option<f64>) -> Result<(), CalibrateError> {
     match distance {
-        Some(value) if !(value > 1.5 && value.is_finite()) => {
+        Some(value) if !(1.5..f64::INFINITY).contains(&value) => {
             Err(CalibrateError::BadOption { option: "lamp_distance_radii", value, expected: "more than 1.5" })
         }
         _ => Ok(()),
@@ -98,9 +100,9 @@ pub struct ShadingReport {
     pub pixels: BallPixels,
 }
 
-/// Fits I = a max(n.d, 0) + ambient to the lit part of a grey ball (least squares; n from the circle). A near lamp's light falls
-/// with the inverse square of the distance and comes from another direction at every spot; the direction returned is then
-/// that from the ball's centre.
+/// Fits I = a max(n.d, 0) + ambient to the lit part of a grey ball (least squares; n from the circle). A near lamp's
+/// light falls with the inverse square of the distance and comes from another direction at every spot; the direction
+/// returned is then that from the ball's centre.
 pub fn direction_from_shading(
     photo: &Photo,
     ball: &Ball,
@@ -181,9 +183,9 @@ fn fit_ball(
     Some(found)
 }
 
-/// What a light vector b, as long as the light at the ball's centre is strong, and the ambient are multiplied with to give the
-/// light of a spot. The spot n of a unit ball sees a lamp at D d under n.(D d - n) / |D d - n| and lit by (D / |D d - n|)^2; in b
-/// that is (D n - d) D^2 / |D d - n|^3, because d.b = |b|.
+/// What a light vector b, as long as the light at the ball's centre is strong, and the ambient are multiplied with to
+/// give the light of a spot. The spot n of a unit ball sees a lamp at D d under n.(D d - n) / |D d - n| and lit by (D /
+/// |D d - n|)^2; in b that is (D n - d) D^2 / |D d - n|^3, because d.b = |b|.
 fn row_of(normal: Vector3<f64>, direction: Vector3<f64>, lamp_distance_radii: Option<f64>) -> Vector4<f64> {
     match lamp_distance_radii {
         None => normal.push(1.0),

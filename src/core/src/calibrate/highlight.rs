@@ -22,7 +22,8 @@ pub struct HighlightOptions {
     pub max_radii: f64,
     /// The most candidates to report.
     pub max_candidates: usize,
-    /// Standard deviation of the circle's centre (each axis) and radius in pixels; [`crate::ball::CircleReport::sd_px`].
+    /// Standard deviation of the circle's centre (each axis) and radius in pixels;
+    /// [`crate::ball::CircleReport::sd_px`].
     pub circle_sd_px: f64,
     /// Distance from the ball's centre to the lamp in ball radii, for a near lamp; absent for a distant one.
     pub lamp_distance_radii: Option<f64>,
@@ -65,7 +66,8 @@ pub struct Highlight {
     pub peak: f64,
     /// Whether the peak is clipped, so that only the shape of the core tells the centre.
     pub clipped: bool,
-    /// How many of the other lamps' photos show the same spot nearly as bright: a reflection of the room, not of the lamp.
+    /// How many of the other lamps' photos show the same spot nearly as bright: a reflection of the room, not of the
+    /// lamp.
     pub seen_under_other_lamps: usize,
     /// Rank of the candidate; the sum of all candidates' scores is 1.
     pub score: f64,
@@ -94,9 +96,10 @@ impl HighlightReport {
 
 /// Finds the highlights on a mirror ball and the directions d = 2 (n.v) n - v they stand for.
 ///
-/// `other_lamps` are photos of the same ball in the same place under the other lamps, or none: spots that stay are ranked last.
-/// A lamp's highlight is ranked by the light of its core: reflections of lit things are dimmer, their highlights smaller.
-/// A large core is centred on its smoothed top, so that streaks of light on the ball's surface do not draw it away.
+/// `other_lamps` are photos of the same ball in the same place under the other lamps, or none: spots that stay are
+/// ranked last. A lamp's highlight is ranked by the light of its core: reflections of lit things are dimmer, their
+/// highlights smaller. A large core is centred on its smoothed top, so that streaks of light on the ball's surface do
+/// not draw it away.
 pub fn find_highlights(
     photo: &Photo,
     other_lamps: &[&Photo],
@@ -114,7 +117,7 @@ pub fn find_highlights(
     let view = BallView::new(&photo.linear, ball, options.max_radii);
     let mut values: Vec<f64> = view.light.data().iter().map(|&v| f64::from(v)).collect();
     let (background, brightest) = (quantile(&mut values, 0.5), quantile(&mut values, 1.0));
-    if !(brightest > 3.0 * background.max(1e-4)) {
+    if brightest <= 3.0 * background.max(1e-3) {
         return Err(CalibrateError::NoHighlight { peak: brightest });
     }
     let spots = components(&view.light, options.min_peak * brightest);
@@ -223,11 +226,12 @@ fn describe(
     })
 }
 
-/// Cores of fewer pixels are centred on all their light; larger ones are saturated or streaked and are centred on their top.
+/// Cores of fewer pixels are centred on all their light; larger ones are saturated or streaked and are centred on their
+/// top.
 const LARGE_CORE_PX: usize = 30;
 
-/// Centre of all light of a small spot and its surroundings, down to a tenth of its peak. Where in its pixel a lamp smaller than a pixel
-/// stands is not known: a uniform error of half a pixel either way.
+/// Centre of all light of a small spot and its surroundings, down to a tenth of its peak. Where in its pixel a lamp
+/// smaller than a pixel stands is not known: a uniform error of half a pixel either way.
 fn light_centre(spot: &[(usize, usize)], light: &Plane) -> ((f64, f64), f64) {
     const PIXEL_SD: f64 = 0.289;
     let peak = spot.iter().map(|&(x, y)| light.at(x, y)).fold(0.0, f32::max);
@@ -241,8 +245,8 @@ fn light_centre(spot: &[(usize, usize)], light: &Plane) -> ((f64, f64), f64) {
     (centre, PIXEL_SD + 0.05 * (spot.len() as f64).sqrt())
 }
 
-/// Centre of the top of a large spot, smoothed by a third of its core's radius. What the choice of the level changes, and a
-/// twentieth of the core's radius, are its error.
+/// Centre of the top of a large spot, smoothed by a third of its core's radius. What the choice of the level changes,
+/// and a twentieth of the core's radius, are its error.
 fn top_centre(spot: &[(usize, usize)], light: &Plane, core_px: usize) -> ((f64, f64), f64) {
     let radius = (core_px as f64 / std::f64::consts::PI).sqrt();
     let sigma = radius / 3.0;

@@ -34,8 +34,8 @@ pub enum Lamp {
 }
 
 impl Lamp {
-    /// Light on a spot of the ball for a lamp whose light is 1 at the frame's origin, square to it: max(n.d, 0), and for a near
-    /// lamp times (distance of the origin / distance of the spot)^2.
+    /// Light on a spot of the ball for a lamp whose light is 1 at the frame's origin, square to it: max(n.d, 0), and
+    /// for a near lamp times (distance of the origin / distance of the spot)^2.
     pub fn shading(&self, normal: &Vector3<f64>) -> f64 {
         match *self {
             Self::Distant { direction_to_light, .. } => normal.dot(&direction_to_light).max(0.0),
@@ -51,8 +51,8 @@ impl Lamp {
     fn turned(&self) -> Vec<Self> {
         let Self::Distant { direction_to_light, half_angle_deg } = *self else { return Vec::new() };
         let sd = (half_angle_deg / 2.45).to_radians();
-        let helper = if direction_to_light.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
-        let first = direction_to_light.cross(&helper).normalize();
+        let aside = if direction_to_light.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+        let first = direction_to_light.cross(&aside).normalize();
         [first, direction_to_light.cross(&first)]
             .map(|across| Self::Distant {
                 direction_to_light: (direction_to_light + across * sd).normalize(),
@@ -81,7 +81,8 @@ impl Lamp {
 pub struct IntensityOptions {
     /// Which pixels are good enough.
     pub pixels: PixelOptions,
-    /// Standard deviation of the circle's centre (each axis) and radius in pixels; [`crate::ball::CircleReport::sd_px`].
+    /// Standard deviation of the circle's centre (each axis) and radius in pixels;
+    /// [`crate::ball::CircleReport::sd_px`].
     pub circle_sd_px: f64,
 }
 
@@ -165,8 +166,8 @@ pub fn measure_strength(
     Ok(StrengthReport { strength, residual, pixels, own_sd, groups: found.groups, circle_shifts })
 }
 
-/// Intensities relative to the first lamp, all measured on one ball in the reference colour. An error of the circle that changes all
-/// strengths alike cancels.
+/// Intensities relative to the first lamp, all measured on one ball in the reference colour. An error of the circle
+/// that changes all strengths alike cancels.
 pub fn relative_intensities(lamps: &[&StrengthReport]) -> Vec<Estimate> {
     let Some(first) = lamps.first() else { return Vec::new() };
     let relative = |lamp: &&StrengthReport| {

@@ -33,14 +33,20 @@ pub enum PixelUse {
 
 /// Pixels of a ball by what became of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub struct PixelCounts {
+    /// [`PixelUse::Used`].
     pub used: usize,
+    /// [`PixelUse::Clipped`].
     pub clipped: usize,
+    /// [`PixelUse::Dark`].
     pub dark: usize,
+    /// [`PixelUse::NearRim`].
     pub near_rim: usize,
+    /// [`PixelUse::NearTerminator`].
     pub near_terminator: usize,
+    /// [`PixelUse::Highlight`].
     pub highlight: usize,
+    /// [`PixelUse::Outlier`].
     pub outlier: usize,
 }
 
@@ -169,7 +175,7 @@ impl PixelOptions {
         if !(0.0..0.9).contains(&self.min_cosine) {
             return bad("min_cosine", self.min_cosine, "between 0 and 0.9");
         }
-        if !(self.max_deviations >= 2.0) {
+        if self.max_deviations.is_nan() || self.max_deviations < 2.0 {
             return bad("max_deviations", self.max_deviations, "2 or more");
         }
         if !(0.0..=1.0).contains(&self.max_clipped) {

@@ -16,14 +16,14 @@ use nalgebra::Vector1;
 pub struct RatioOptions {
     /// Which pixels are good enough.
     pub pixels: PixelOptions,
-    /// Standard deviation of the black level that was subtracted, in linear light. It shifts both photos of a ratio and no
-    /// scatter between pixels shows it. Default: one step of a 16-bit file.
+    /// Standard deviation of the black level that was subtracted, in linear light. It shifts both photos of a ratio and
+    /// no scatter between pixels shows it. Default: one step of a 14-bit sensor.
     pub black_level_sd: f64,
 }
 
 impl Default for RatioOptions {
     fn default() -> Self {
-        Self { pixels: PixelOptions::default(), black_level_sd: 1.0 / 65535.0 }
+        Self { pixels: PixelOptions::default(), black_level_sd: 1.0 / 16384.0 }
     }
 }
 
@@ -53,8 +53,8 @@ pub struct RatioReport {
 
 /// Measures alpha: the light of a grey ball in `photo` over its light in `reference`, same lamp, same place.
 ///
-/// Both photos are noisy, and photon noise grows with the square root of the light: the likeliest slope through the origin is
-/// then the ratio of the sums. Pixels off it by more than `max_deviations` are refused.
+/// Both photos are noisy, and photon noise grows with the square root of the light: the likeliest slope through the
+/// origin is then the ratio of the sums. Pixels off it by more than `max_deviations` are refused.
 pub fn measure_ratio(
     reference: &Photo,
     photo: &Photo,
@@ -109,8 +109,8 @@ fn refuse_off_slope(pixels: &mut BallPixels, reference: &Photo, photo: &Photo, m
 
 /// beta of a colour: for each light, the ratio on a ball of the paint over that light's alpha; pooled over the lights.
 ///
-/// Lights are weighted by their variances, alpha's included. If the lights differ by more than their intervals allow, the
-/// interval is widened by as much (Birge ratio).
+/// Lights are weighted by their variances, alpha's included. If the lights differ by more than their intervals allow,
+/// the interval is widened by as much (Birge ratio).
 pub fn pool_beta(paint_over_alpha: &[(Estimate, Estimate)]) -> Result<Estimate, CalibrateError> {
     let of_lights: Vec<(f64, f64)> = paint_over_alpha
         .iter()
