@@ -5,6 +5,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Angles, Evaluation, evaluate};
 
 use super::progress::Terminal;
+use super::solve::MethodArgs;
 use super::table::{row, table};
 use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
 
@@ -12,9 +13,8 @@ use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
 pub struct EvaluateArgs {
     #[command(flatten)]
     set: SetArgs,
-    /// How many bounces to tell apart [default: the set's own]
-    #[arg(long, value_name = "M")]
-    bounces: Option<usize>,
+    #[command(flatten)]
+    solve: MethodArgs,
     #[command(flatten)]
     print: PrintArgs,
 }
@@ -23,7 +23,7 @@ pub struct EvaluateArgs {
 pub fn run(args: &EvaluateArgs) -> anyhow::Result<()> {
     let set = CaptureSet::open(&args.set.path)?;
     let terminal = Terminal::attend();
-    let evaluation = evaluate(&set, args.bounces, &terminal);
+    let evaluation = evaluate(&set, &args.solve.options(), &terminal);
     terminal.finish();
     let evaluation = evaluation?;
     print_warnings(&evaluation.warnings);

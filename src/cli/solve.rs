@@ -7,6 +7,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::image_file::GreenAxis;
 use firstbounce_capture::pipeline::{OutputOptions, SolveOptions, solve, write_solved};
 use firstbounce_capture::report::Report;
+use firstbounce_core::indirect::IndirectOptions;
 
 use super::progress::Terminal;
 use super::table::{row, table};
@@ -22,9 +23,8 @@ pub struct SolveArgs {
     /// Where to write the results [default: out/NAME OF THE SET'S FOLDER]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// How many bounces to tell apart [default: the set's own]
-    #[arg(long, value_name = "M")]
-    bounces: Option<usize>,
+    #[command(flatten)]
+    method: MethodArgs,
     /// Write normals.png with green down, as DirectX reads it, instead of up, as OpenGL does
     #[arg(long)]
     directx: bool,
@@ -32,13 +32,31 @@ pub struct SolveArgs {
     print: PrintArgs,
 }
 
+/// How to get from photos to normals.
+#[derive(Args, Debug)]
+pub struct MethodArgs {
+    /// How many bounces to tell apart [default: the set's own]
+    #[arg(long, value_name = "M")]
+    bounces: Option<usize>,
+    /// Half width of the window in which the noise of indirect light is averaged before normals are found; 0 for none
+    #[arg(long, value_name = "PIXELS", default_value_t = IndirectOptions::default().radius_px)]
+    indirect_window: usize,
+}
+
+impl MethodArgs {
+    /// As the pipeline takes them.
+    pub fn options(&self) -> SolveOptions {
+        let indirect = IndirectOptions { radius_px: self.indirect_window, ..IndirectOptions::default() };
+        SolveOptions { bounces: self.bounces, indirect, ..SolveOptions::default() }
+    }
+}
+
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let set = CaptureSet::open(&args.set.path)?;
     let folder = args.out.clone().unwrap_or_else(|| default_folder(&set));
-    let options = SolveOptions { bounces: args.bounces, ..SolveOptions::default() };
     let green = if args.directx { GreenAxis::Down } else { GreenAxis::Up };
-    let report = solve_into(&set, &folder, &options, green)?;
+    let report = solve_into(&set, &folder, &args.method.options(), green)?;
     print_warnings(&report.warnings);
     if args.print.json {
         print_json(&report)?

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use firstbounce_core::ball::BallError;
 use firstbounce_core::calibrate::CalibrateError;
 use firstbounce_core::depth::DepthError;
+use firstbounce_core::indirect::IndirectError;
 use firstbounce_core::mesh::MeshError;
 use firstbounce_core::normals::NormalsError;
 use firstbounce_core::separate::SeparateError;
@@ -116,6 +117,9 @@ pub enum PipelineError {
     /// Separation.
     #[error("cannot separate: {0}")]
     Separate(SeparateError),
+    /// The noise of the indirect light.
+    #[error("cannot quieten the direct light: {0}")]
+    Indirect(IndirectError),
     /// Photometric stereo.
     #[error("no normals: {0}")]
     Normals(NormalsError),
@@ -163,6 +167,15 @@ impl From<SeparateError> for PipelineError {
         match error {
             SeparateError::Cancelled => Self::Cancelled,
             error => Self::Separate(error),
+        }
+    }
+}
+
+impl From<IndirectError> for PipelineError {
+    fn from(error: IndirectError) -> Self {
+        match error {
+            IndirectError::Cancelled => Self::Cancelled,
+            error => Self::Indirect(error),
         }
     }
 }

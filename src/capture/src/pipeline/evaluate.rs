@@ -4,13 +4,13 @@ use std::path::Path;
 
 use firstbounce_core::evaluate::{lit_by_three, relative_error, rmse_without_offset};
 use firstbounce_core::separate::Separation;
-use firstbounce_core::shape::ShapeOptions;
 use firstbounce_core::{AngularError, Mask, NormalMap, Plane};
 use serde::Serialize;
 
 use super::watch::Part;
 use super::{
-    PipelineError, PipelineWatch, Stage, calibrate_for, camera_of, load_object, raw_lights, recover, separate_lights,
+    Direct, PipelineError, PipelineWatch, SolveOptions, Stage, calibrate_for, camera_of, load_object, quiet_lights,
+    raw_lights, recover, separate_lights,
 };
 use crate::image_file::{Content, ImageFile, ReadOptions, read_image_as};
 use crate::set::CaptureSet;
@@ -67,10 +67,10 @@ pub struct Evaluation {
 /// Solves the set raw, separated and with its true direct light, and compares each with the true normals and depth.
 pub fn evaluate(
     set: &CaptureSet,
-    bounces: Option<usize>,
+    options: &SolveOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Evaluation, PipelineError> {
-    let bounces = bounces.unwrap_or_else(|| set.bounces());
+    let bounces = options.bounces.unwrap_or_else(|| set.bounces());
     let object = load_object(set, watch)?;
     let size = object.mask.size();
     let truth = true_normals(&set.truth_normals(), size)?;
@@ -79,13 +79,13 @@ pub fn evaluate(
     let direct = true_bounces(set, 1, size)?;
 
     let camera = camera_of(set, size);
-    let options = ShapeOptions::default();
-    let shape = |lights: &[Separation], part: usize| {
-        recover(set, &object, &calibrated, lights, &camera, &options, &Part::of(watch, Stage::Shape, part, 3))
+    let shape = |lights: &[Direct], part: usize| {
+        recover(set, &object, &calibrated, lights, &camera, &options.shape, &Part::of(watch, Stage::Shape, part, 3))
     };
-    let after = shape(&separated.lights, 0)?;
+    let quiet = quiet_lights(set, &object, &calibrated, &separated, &options.indirect, watch)?;
+    let after = shape(&quiet, 0)?;
     let raw = shape(&raw_lights(&object, watch)?, 1)?;
-    let ideal = direct.as_ref().map(|direct| shape(&as_separations(direct, &separated.lights), 2)).transpose()?;
+    let ideal = direct.as_ref().map(|direct| shape(&as_direct(direct, &separated.lights), 2)).transpose()?;
 
     // One set of pixels for every method: none may win by leaving out what is hard.
     let with_truth = mask_where(&object.mask, |pixel| truth.at_index(pixel).is_some());
@@ -113,7 +113,7 @@ pub fn evaluate(
         depth.as_ref().and_then(|truth| rmse_without_offset(&found.depth_mm, truth, &both))
     };
     let part = Part::of(watch, Stage::Shape, 2, 3);
-    let of_truth = firstbounce_core::depth::integrate(&truth, &with_truth, None, &camera, &options.depth, &part);
+    let of_truth = firstbounce_core::depth::integrate(&truth, &object.mask, None, &camera, &options.shape.depth, &part);
     Ok(Evaluation {
         bounces,
         normal_error_deg,
@@ -156,15 +156,15 @@ fn true_bounces(set: &CaptureSet, k: usize, size: (usize, usize)) -> Result<Opti
     paths.iter().map(|path| first_plane(path, size)).collect::<Result<_, _>>().map(Some)
 }
 
-/// True direct light in the clothes of a separation.
-fn as_separations(direct: &[Plane], like: &[Separation]) -> Vec<Separation> {
-    let dressed = |(direct, like): (&Plane, &Separation)| Separation {
-        bounces: vec![direct.clone()],
-        direct_noise: None,
-        residual: None,
+/// True direct light where the separation solved its pixels.
+fn as_direct(truth: &[Plane], like: &[Separation]) -> Vec<Direct> {
+    let direct = |(light, like): (&Plane, &Separation)| Direct {
+        light: light.clone(),
+        noise: None,
         marks: like.marks.clone(),
+        report: None,
     };
-    direct.iter().zip(like).map(dressed).collect()
+    truth.iter().zip(like).map(direct).collect()
 }
 
 fn true_normals(path: &Path, size: (usize, usize)) -> Result<NormalMap, PipelineError> {

@@ -16,7 +16,7 @@ pub use evaluate::{Angles, Evaluation, NormalErrors, evaluate};
 pub use load::{ObjectPhotos, SubjectPhotos, load_object, load_subject};
 pub use output::{OutputOptions, write_solved};
 pub use solve::{
-    Separated, SolveOptions, Solved, Surfaced, camera_of, lamps, raw_lights, recover, separate_lights, solve,
-    triangulate,
+    Direct, Separated, SolveOptions, Solved, Surfaced, camera_of, lamps, quiet_lights, raw_lights, recover,
+    separate_lights, solve, triangulate,
 };
 pub use watch::{PipelineWatch, Stage, Unattended};

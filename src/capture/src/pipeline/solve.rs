@@ -1,5 +1,6 @@
 //! Photos and calibration to bounces, surface and mesh.
 
+use firstbounce_core::indirect::{IndirectOptions, IndirectReport, quieten_direct};
 use firstbounce_core::mesh::{MeshOptions, from_depth};
 use firstbounce_core::normals::{DirectLight, Lamp};
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, SeparateReport, Separation, separate};
@@ -16,6 +17,8 @@ use crate::set::{self, CaptureSet};
 pub struct SolveOptions {
     /// The order m; `None` for the set's own.
     pub bounces: Option<usize>,
+    /// The noise of the indirect light.
+    pub indirect: IndirectOptions,
     /// Normals and depth.
     pub shape: ShapeOptions,
     /// Triangles.
@@ -29,6 +32,27 @@ pub struct Separated {
     pub lights: Vec<Separation>,
     /// By light.
     pub reports: Vec<SeparateReport>,
+}
+
+/// What photometric stereo takes of one light.
+#[derive(Clone, Debug)]
+pub struct Direct {
+    /// Direct light in the reference colour.
+    pub light: Plane,
+    /// Its predicted noise.
+    pub noise: Option<Plane>,
+    /// Marks of the separation.
+    pub marks: Vec<u8>,
+    /// How much quieter it became; `None` for light that was not separated.
+    pub report: Option<IndirectReport>,
+}
+
+impl From<Separation> for Direct {
+    /// Bounce 1 as it is.
+    fn from(separation: Separation) -> Self {
+        let light = separation.bounces.into_iter().next().unwrap_or_else(|| Plane::filled(0, 0, 0.0));
+        Self { light, noise: separation.direct_noise, marks: separation.marks, report: None }
+    }
 }
 
 /// A surface and its triangles.
@@ -49,6 +73,8 @@ pub struct Solved {
     pub calibrated: Calibrated,
     /// The bounces.
     pub separated: Separated,
+    /// By light, bounce 1 with less noise: what the surface is recovered from.
+    pub direct: Vec<Direct>,
     /// The surface from bounce 1, or why there is none; the bounces stand either way.
     pub after: Result<Surfaced, PipelineError>,
     /// The surface from the photos as they are, for comparison; `None` where `after` failed.
@@ -66,10 +92,13 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
     let separated = StageCost::measure(&mut stages, Stage::Separate, || {
         separate_lights(set, &object, &calibrated, bounces, watch)
     })?;
+    let direct = StageCost::measure(&mut stages, Stage::Separate, || {
+        quiet_lights(set, &object, &calibrated, &separated, &options.indirect, watch)
+    })?;
     let raw = StageCost::measure(&mut stages, Stage::Separate, || raw_lights(&object, watch))?;
 
     let camera = camera_of(set, object.mask.size());
-    let stage = |lights: &[Separation], half: usize, stages: &mut Vec<StageCost>| {
+    let stage = |lights: &[Direct], half: usize, stages: &mut Vec<StageCost>| {
         let part = Part::of(watch, Stage::Shape, half, 2);
         let shape = StageCost::measure(stages, Stage::Shape, || {
             recover(set, &object, &calibrated, lights, &camera, &options.shape, &part)
@@ -77,7 +106,7 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
         let mesh = StageCost::measure(stages, Stage::Mesh, || triangulate(&shape, &camera, &options.mesh))?;
         Ok(Surfaced { shape, mesh })
     };
-    let after = match stage(&separated.lights, 0, &mut stages) {
+    let after = match stage(&direct, 0, &mut stages) {
         Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
         after => after,
     };
@@ -85,7 +114,7 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
         Ok(_) => Some(stage(&raw, 1, &mut stages)?),
         Err(_) => None,
     };
-    Ok(Solved { object, calibrated, separated, after, before, stages })
+    Ok(Solved { object, calibrated, separated, direct, after, before, stages })
 }
 
 /// Separates every light into `bounces` bounces.
@@ -98,26 +127,63 @@ pub fn separate_lights(
 ) -> Result<Separated, PipelineError> {
     let beta = calibrated.beta_values()?;
     let mut separated = Separated { lights: Vec::new(), reports: Vec::new() };
-    for (l, photos) in object.photos.iter().enumerate() {
-        let alpha = calibrated.alpha_values(set, l)?;
-        let photos: Vec<_> = photos.iter().collect();
-        let light =
-            LightPhotos { photos: &photos, noise: &object.noise[l], alpha: &alpha, beta: &beta, mask: &object.mask };
+    for l in 0..object.photos.len() {
         let part = Part::of(watch, Stage::Separate, l, object.photos.len());
-        let (separation, report) = separate(&light, &SeparateOptions { bounces }, &part)?;
+        let (separation, report) = with_light(set, object, calibrated, &beta, l, |light| {
+            Ok(separate(light, &SeparateOptions { bounces }, &part)?)
+        })?;
         separated.lights.push(separation);
         separated.reports.push(report);
     }
     Ok(separated)
 }
 
+/// Takes most of the noise of the indirect light out of bounce 1.
+pub fn quiet_lights(
+    set: &CaptureSet,
+    object: &ObjectPhotos,
+    calibrated: &Calibrated,
+    separated: &Separated,
+    options: &IndirectOptions,
+    watch: &dyn PipelineWatch,
+) -> Result<Vec<Direct>, PipelineError> {
+    let beta = calibrated.beta_values()?;
+    let quiet = |(l, separation): (usize, &Separation)| {
+        let part = Part::of(watch, Stage::Separate, l, separated.lights.len());
+        let quiet = with_light(set, object, calibrated, &beta, l, |light| {
+            Ok(quieten_direct(light, separation, options, &part)?)
+        })?;
+        Ok(Direct {
+            light: quiet.direct,
+            noise: Some(quiet.noise),
+            marks: separation.marks.clone(),
+            report: Some(quiet.report),
+        })
+    };
+    separated.lights.iter().enumerate().map(quiet).collect()
+}
+
+/// Lends all that is known of light `l` to `work`.
+fn with_light<T>(
+    set: &CaptureSet,
+    object: &ObjectPhotos,
+    calibrated: &Calibrated,
+    beta: &[f64],
+    l: usize,
+    work: impl FnOnce(&LightPhotos) -> Result<T, PipelineError>,
+) -> Result<T, PipelineError> {
+    let alpha = calibrated.alpha_values(set, l)?;
+    let photos: Vec<_> = object.photos[l].iter().collect();
+    work(&LightPhotos { photos: &photos, noise: &object.noise[l], alpha: &alpha, beta, mask: &object.mask })
+}
+
 /// The reference colour's photos as if all their light had bounced once: what photometric stereo sees uncorrected.
-pub fn raw_lights(object: &ObjectPhotos, watch: &dyn PipelineWatch) -> Result<Vec<Separation>, PipelineError> {
+pub fn raw_lights(object: &ObjectPhotos, watch: &dyn PipelineWatch) -> Result<Vec<Direct>, PipelineError> {
     let one_bounce = |l: usize| {
         let (photos, noise) = ([&object.photos[l][0]], [object.noise[l][0]]);
         let light = LightPhotos { photos: &photos, noise: &noise, alpha: &[1.0], beta: &[1.0], mask: &object.mask };
         let part = Part::of(watch, Stage::Separate, l, object.photos.len());
-        Ok(separate(&light, &SeparateOptions { bounces: 1 }, &part)?.0)
+        Ok(separate(&light, &SeparateOptions { bounces: 1 }, &part)?.0.into())
     };
     (0..object.photos.len()).map(one_bounce).collect()
 }
@@ -127,7 +193,7 @@ pub fn recover(
     set: &CaptureSet,
     object: &ObjectPhotos,
     calibrated: &Calibrated,
-    lights: &[Separation],
+    lights: &[Direct],
     camera: &Camera,
     options: &ShapeOptions,
     watch: &dyn firstbounce_core::Watch,
@@ -137,10 +203,10 @@ pub fn recover(
         .iter()
         .zip(lamps)
         .enumerate()
-        .map(|(l, (separation, lamp))| DirectLight {
-            direct: &separation.bounces[0],
-            noise: separation.direct_noise.as_ref(),
-            marks: &separation.marks,
+        .map(|(l, (direct, lamp))| DirectLight {
+            direct: &direct.light,
+            noise: direct.noise.as_ref(),
+            marks: &direct.marks,
             lamp,
             intensity: calibrated.intensity[l].value,
         })

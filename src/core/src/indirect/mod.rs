@@ -25,7 +25,7 @@ pub struct IndirectOptions {
 
 impl Default for IndirectOptions {
     fn default() -> Self {
-        Self { radius_px: 4, evenness: 0.02 }
+        Self { radius_px: 3, evenness: 0.02 }
     }
 }
 

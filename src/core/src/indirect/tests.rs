@@ -53,8 +53,9 @@ fn direct_light_is_quieter_as_predicted_and_keeps_texture_and_crease() {
 
     let before = rms_error(&separation.bounces[0], &truth, 0..SIZE.0);
     let after = rms_error(&quiet.direct, &truth, 0..SIZE.0);
-    assert!(after < 0.45 * before, "{after} of {before}");
-    assert!(rms_error(&quiet.direct, &truth, 110..130) < 0.7 * before, "at the crease");
+    let photo = NOISE.sigma(0.5);
+    assert!(before > 1.5 * photo && after < 1.1 * photo, "{before} before, {after} after; a photo has {photo}");
+    assert!(rms_error(&quiet.direct, &truth, 110..130) < 0.75 * before, "at the crease");
     let predicted = quiet.report.noise_after;
     assert!((0.7..1.4).contains(&(after / predicted)), "{after} for a predicted {predicted}");
 }
