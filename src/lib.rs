@@ -1,0 +1,4 @@
+//! The program: its window and the graphics behind it.
+
+pub mod app;
+pub mod gpu;

@@ -1,0 +1,115 @@
+//! The graphics card of the tests, and drawing into memory with it.
+
+use std::sync::{Arc, OnceLock};
+
+use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuSetup, WgpuSetupExisting};
+use eframe::wgpu;
+use firstbounce::gpu::{CanvasGpu, Drawing, Output, Resolution, Wake};
+
+pub struct Card {
+    instance: wgpu::Instance,
+    adapter: wgpu::Adapter,
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+}
+
+/// The one device of all tests; `None`, with a line that names the test, on a machine without an adapter.
+pub fn card(test: &str) -> Option<&'static Card> {
+    static CARD: OnceLock<Option<Card>> = OnceLock::new();
+    let card = CARD.get_or_init(|| {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
+        let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).ok()?;
+        Some(Card { instance, adapter, device, queue })
+    });
+    if card.is_none() {
+        println!("{test}: skipped: no wgpu adapter");
+    }
+    card.as_ref()
+}
+
+impl Card {
+    /// A renderer for the window's harness, on the same device.
+    pub fn render_state(&self) -> RenderState {
+        let setup = WgpuSetup::Existing(WgpuSetupExisting {
+            instance: self.instance.clone(),
+            adapter: self.adapter.clone(),
+            device: self.device.clone(),
+            queue: self.queue.clone(),
+        });
+        egui_kittest::wgpu::create_render_state(setup, RendererOptions::PREDICTABLE)
+    }
+
+    /// Draws into a float target of `width * height` pixels and reads it back. `width` must be a multiple of 16.
+    pub fn draw(&self, drawing: &Drawing<'_>, output: Output, (width, height): (u32, u32)) -> Vec<[f32; 4]> {
+        let limit = self.device.limits().max_texture_dimension_2d as usize;
+        self.draw_limited(drawing, output, (width, height), limit).0
+    }
+
+    /// The same on a card whose textures have at most `max_side` pixels on a side.
+    pub fn draw_limited(
+        &self,
+        drawing: &Drawing<'_>,
+        output: Output,
+        (width, height): (u32, u32),
+        max_side: usize,
+    ) -> (Vec<[f32; 4]>, Resolution) {
+        let (device, queue) = (self.device.clone(), self.queue.clone());
+        let format = wgpu::TextureFormat::Rgba32Float;
+        let mut canvas = CanvasGpu::with_max_side(device, queue, format, output, max_side);
+        let wake: Wake = Arc::new(|| ());
+        let (bound, resolution) = canvas.bind(drawing, &wake).expect("small pictures are on the card at once");
+        let target = self.target(format, width, height);
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    resolve_target: None,
+                    ops: wgpu::Operations::default(),
+                    depth_slice: None,
+                })],
+                ..Default::default()
+            });
+            canvas.draw(&mut pass, &bound);
+        }
+        (self.read_back(encoder, &target), resolution)
+    }
+
+    fn target(&self, format: wgpu::TextureFormat, width: u32, height: u32) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        })
+    }
+
+    fn read_back(&self, mut encoder: wgpu::CommandEncoder, target: &wgpu::Texture) -> Vec<[f32; 4]> {
+        let bytes_per_row = 16 * target.width();
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(bytes_per_row * target.height()),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(bytes_per_row), rows_per_image: None };
+        encoder.copy_texture_to_buffer(
+            target.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            target.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+        buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
+        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        let mapped = buffer.slice(..).get_mapped_range().unwrap();
+        bytemuck::cast_slice::<u8, [f32; 4]>(&mapped).to_vec()
+    }
+}
