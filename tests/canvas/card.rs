@@ -1,16 +1,21 @@
 //! The graphics card of the tests, and drawing into memory with it.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuSetup, WgpuSetupExisting};
 use eframe::wgpu;
 use firstbounce::gpu::{CanvasGpu, Drawing, Output, Resolution, Wake};
 
+const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
 pub struct Card {
     instance: wgpu::Instance,
     adapter: wgpu::Adapter,
-    pub device: wgpu::Device,
-    pub queue: wgpu::Queue,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    /// Shared, because making a pipeline takes longer than a drawing.
+    colours: Mutex<CanvasGpu>,
+    values: Mutex<CanvasGpu>,
 }
 
 /// The one device of all tests; `None`, with a line that names the test, on a machine without an adapter.
@@ -21,7 +26,9 @@ pub fn card(test: &str) -> Option<&'static Card> {
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
         let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).ok()?;
-        Some(Card { instance, adapter, device, queue })
+        let canvas = |output| Mutex::new(CanvasGpu::new(device.clone(), queue.clone(), TARGET, output));
+        let (colours, values) = (canvas(Output::Colours), canvas(Output::Values));
+        Some(Card { instance, adapter, device, queue, colours, values })
     });
     if card.is_none() {
         println!("{test}: skipped: no wgpu adapter");
@@ -42,25 +49,36 @@ impl Card {
     }
 
     /// Draws into a float target of `width * height` pixels and reads it back. `width` must be a multiple of 16.
-    pub fn draw(&self, drawing: &Drawing<'_>, output: Output, (width, height): (u32, u32)) -> Vec<[f32; 4]> {
-        let limit = self.device.limits().max_texture_dimension_2d as usize;
-        self.draw_limited(drawing, output, (width, height), limit).0
+    pub fn draw(&self, drawing: &Drawing<'_>, output: Output, size: (u32, u32)) -> Vec<[f32; 4]> {
+        let canvas = match output {
+            Output::Colours => &self.colours,
+            Output::Values => &self.values,
+        };
+        let mut canvas = canvas.lock().unwrap_or_else(PoisonError::into_inner);
+        self.draw_with(&mut canvas, drawing, size).0
     }
 
-    /// The same on a card whose textures have at most `max_side` pixels on a side.
+    /// The numbers as drawn on a card whose textures have at most `max_side` pixels on a side.
     pub fn draw_limited(
         &self,
         drawing: &Drawing<'_>,
-        output: Output,
-        (width, height): (u32, u32),
+        size: (u32, u32),
         max_side: usize,
     ) -> (Vec<[f32; 4]>, Resolution) {
         let (device, queue) = (self.device.clone(), self.queue.clone());
-        let format = wgpu::TextureFormat::Rgba32Float;
-        let mut canvas = CanvasGpu::with_max_side(device, queue, format, output, max_side);
+        let mut canvas = CanvasGpu::with_max_side(device, queue, TARGET, Output::Values, max_side);
+        self.draw_with(&mut canvas, drawing, size)
+    }
+
+    fn draw_with(
+        &self,
+        canvas: &mut CanvasGpu,
+        drawing: &Drawing<'_>,
+        size: (u32, u32),
+    ) -> (Vec<[f32; 4]>, Resolution) {
         let wake: Wake = Arc::new(|| ());
         let (bound, resolution) = canvas.bind(drawing, &wake).expect("small pictures are on the card at once");
-        let target = self.target(format, width, height);
+        let target = self.target(size);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
@@ -78,14 +96,14 @@ impl Card {
         (self.read_back(encoder, &target), resolution)
     }
 
-    fn target(&self, format: wgpu::TextureFormat, width: u32, height: u32) -> wgpu::Texture {
+    fn target(&self, (width, height): (u32, u32)) -> wgpu::Texture {
         self.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format,
+            format: TARGET,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         })

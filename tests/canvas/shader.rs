@@ -161,7 +161,7 @@ fn a_picture_larger_than_the_textures_is_shown_at_a_stated_resolution() {
     let (source, display) = (value(light(30)), Display::default());
     let placement = Placement { origin_px: [0.0, 0.0], scale: 0.5 };
     let drawing = Drawing { source: &source, display: &display, placement, background: BACKGROUND };
-    let (limited, resolution) = card.draw_limited(&drawing, Output::Values, (48, 32), 64);
+    let (limited, resolution) = card.draw_limited(&drawing, (48, 32), 64);
     assert_eq!((resolution.divisor, resolution.loading), (2, false));
     // At half size the picture is the same: the copy at half the resolution is what is drawn anyway.
     assert_eq!(limited, card.draw(&drawing, Output::Values, (48, 32)));

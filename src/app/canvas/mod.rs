@@ -21,7 +21,7 @@ mod wipe;
 
 use std::sync::Arc;
 
-use eframe::egui::{Color32, Key, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
+use eframe::egui::{Color32, Key, PointerButton, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
 use eframe::egui_wgpu::Callback;
 
 use crate::gpu::{CanvasCallback, CanvasStatus, Display, Drawing, Resolution, Source};
@@ -53,13 +53,15 @@ pub struct CanvasState {
     /// Where the line between the two stands, 0 at the left of the canvas, 1 at the right.
     pub wipe: f32,
     cursor: Option<(usize, usize)>,
+    /// Where the primary button went down, for a drag that is the caller's.
+    drag_from_px: Option<[f64; 2]>,
     status: Arc<CanvasStatus>,
 }
 
 impl Default for CanvasState {
     fn default() -> Self {
         let (view, compare, status) = (View::default(), Compare::default(), Arc::default());
-        Self { view, compare, wipe: 0.5, cursor: None, status }
+        Self { view, compare, wipe: 0.5, cursor: None, drag_from_px: None, status }
     }
 }
 
@@ -230,18 +232,20 @@ impl<'a> Canvas<'a> {
         let at_pointer = response.interact_pointer_pos().map(|point| transform.from_screen(point));
         let at_cursor = self.state.cursor.map(|(x, y)| [x as f64 + 0.5, y as f64 + 0.5]);
         let under_pointer = response.hover_pos().and_then(|point| transform.pixel_at(point));
-        let pressed_at = ui.input(|input| input.pointer.press_origin()).map(|point| transform.from_screen(point));
-        let is_dragged = self.primary == PrimaryDrag::Caller
-            && (response.dragged_by(eframe::egui::PointerButton::Primary)
-                || response.drag_stopped_by(eframe::egui::PointerButton::Primary));
-        let finished = response.drag_stopped();
+        if response.drag_started_by(PointerButton::Primary) {
+            let pressed_at = ui.input(|input| input.pointer.press_origin());
+            self.state.drag_from_px = pressed_at.map(|point| transform.from_screen(point));
+        }
+        let finished = response.drag_stopped_by(PointerButton::Primary);
+        let from_px = self.state.drag_from_px.filter(|_| self.primary == PrimaryDrag::Caller);
+        let dragged = from_px.zip(at_pointer).map(|(from_px, to_px)| Drag { from_px, to_px, finished });
+        if !response.dragged_by(PointerButton::Primary) {
+            self.state.drag_from_px = None;
+        }
         CanvasResponse {
             hovered: under_pointer.or(self.state.cursor.filter(|_| response.has_focus())),
             clicked: if response.clicked() { at_pointer.or(at_cursor) } else { None },
-            dragged: at_pointer.filter(|_| is_dragged).map(|to_px| {
-                let from_px = pressed_at.unwrap_or(to_px);
-                Drag { from_px, to_px, finished }
-            }),
+            dragged,
             resolution: self.state.status.resolution(),
             shows_other,
             response,
