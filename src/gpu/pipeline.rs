@@ -1,12 +1,10 @@
 //! The shader on the graphics card, with everything it reads.
 
-use std::sync::Arc;
-
 use eframe::wgpu;
 use wgpu::util::DeviceExt;
 
 use super::drawing::Drawing;
-use super::textures::{CardTexture, Resolution, Textures, Wake};
+use super::textures::{OnCard, Resolution, Textures, Wake};
 use super::uniforms::Uniforms;
 use super::{ColourMap, MAX_PLANES};
 
@@ -22,7 +20,6 @@ pub enum Output {
 /// The canvas on one graphics card: shader, colour maps and the textures of all planes.
 pub struct CanvasGpu {
     device: wgpu::Device,
-    queue: wgpu::Queue,
     pipeline: wgpu::RenderPipeline,
     colour_maps: wgpu::TextureView,
     /// Stand in for the planes and marks that a drawing does not use.
@@ -52,8 +49,8 @@ impl CanvasGpu {
         let colour_maps = small_texture(&device, &queue, wgpu::TextureFormat::Rgba8Unorm, (256, 4), &maps);
         let no_plane = small_texture(&device, &queue, wgpu::TextureFormat::R32Float, (1, 1), &[0; 4]);
         let no_marks = small_texture(&device, &queue, wgpu::TextureFormat::R8Uint, (1, 1), &[0]);
-        let textures = Textures::new(device.clone(), queue.clone(), max_side);
-        Self { device, queue, pipeline, colour_maps, no_plane, no_marks, textures }
+        let textures = Textures::new(device.clone(), queue, max_side);
+        Self { device, pipeline, colour_maps, no_plane, no_marks, textures }
     }
 
     /// Gathers what a drawing reads, and begins the upload of planes that the card does not have. `None` until there is
@@ -69,15 +66,16 @@ impl CanvasGpu {
         let mask = source.mask.as_ref().map(|mask| self.textures.marks(mask, wake));
 
         let all = || planes.iter().chain(&marks).chain(&mask);
-        let dropped = all().map(|texture| texture.dropped).max()?;
-        let finest = all().map(|texture| texture.finest()).collect::<Option<Vec<_>>>()?.into_iter().max()?;
+        let dropped = all().map(|on_card| on_card.texture.dropped).max()?;
+        let finest = all().map(|on_card| on_card.texture.finest()).collect::<Option<Vec<_>>>()?.into_iter().max()?;
+        let is_current = all().all(|on_card| on_card.is_current);
         let sampling = drawing.placement.sampling(size, finest);
         let uniforms = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("canvas"),
             contents: bytemuck::bytes_of(&Uniforms::new(drawing, sampling, dropped)),
             usage: wgpu::BufferUsages::UNIFORM,
         });
-        let resolution = Resolution { divisor: 1 << dropped, loading: finest > dropped };
+        let resolution = Resolution { divisor: 1 << dropped, loading: finest > dropped || !is_current };
         Some((self.bind_group(&uniforms, &planes, marks.as_ref(), mask.as_ref()), resolution))
     }
 
@@ -88,21 +86,17 @@ impl CanvasGpu {
         pass.draw(0..3, 0..1);
     }
 
-    /// The device, as tests need it to read back what was drawn.
-    pub fn device(&self) -> (&wgpu::Device, &wgpu::Queue) {
-        (&self.device, &self.queue)
-    }
-
     fn bind_group(
         &self,
         uniforms: &wgpu::Buffer,
-        planes: &[Arc<CardTexture>],
-        marks: Option<&Arc<CardTexture>>,
-        mask: Option<&Arc<CardTexture>>,
+        planes: &[OnCard],
+        marks: Option<&OnCard>,
+        mask: Option<&OnCard>,
     ) -> wgpu::BindGroup {
-        let marks = marks.map_or(&self.no_marks, |texture| &texture.view);
-        let mask = mask.map_or(&self.no_marks, |texture| &texture.view);
-        let planes = (0..MAX_PLANES).map(|slot| planes.get(slot).map_or(&self.no_plane, |texture| &texture.view));
+        let marks = marks.map_or(&self.no_marks, |on_card| &on_card.texture.view);
+        let mask = mask.map_or(&self.no_marks, |on_card| &on_card.texture.view);
+        let planes =
+            (0..MAX_PLANES).map(|slot| planes.get(slot).map_or(&self.no_plane, |on_card| &on_card.texture.view));
         let views = [&self.colour_maps, marks, mask].into_iter().chain(planes).map(wgpu::BindingResource::TextureView);
         let resources = std::iter::once(uniforms.as_entire_binding()).chain(views);
         let entries: Vec<_> =

@@ -26,7 +26,7 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 pub struct Resolution {
     /// 1 for the full resolution; 2, 4, ... for a half, a quarter, when the picture is larger than the card's textures.
     pub divisor: u32,
-    /// Whether finer copies are still on their way to the card.
+    /// Whether finer copies or newer numbers are still on their way to the card.
     pub loading: bool,
 }
 
@@ -66,6 +66,26 @@ struct Entry {
     last_used: Instant,
 }
 
+impl Entry {
+    /// What to draw for `version`; `None` if its upload has to begin. While another version is on its way nothing is begun, so
+    /// that a fast change of numbers skips versions instead of queueing them.
+    fn shown_for(&mut self, version: u64) -> Option<OnCard> {
+        self.last_used = Instant::now();
+        if let Some((version, coming)) = self.coming.take_if(|(_, coming)| coming.is_complete()) {
+            (self.version, self.shown) = (version, coming);
+        }
+        let is_current = self.version == version;
+        (is_current || self.coming.is_some()).then(|| OnCard { texture: self.shown.clone(), is_current })
+    }
+}
+
+/// A texture to draw with.
+pub struct OnCard {
+    pub texture: Arc<CardTexture>,
+    /// Whether these are the numbers asked for, and not the ones before.
+    pub is_current: bool,
+}
+
 /// All textures of planes and marks, by the id of their keys.
 pub struct Textures {
     device: wgpu::Device,
@@ -81,13 +101,13 @@ impl Textures {
     }
 
     /// The texture of a plane, its upload begun if the card does not have this version.
-    pub fn plane(&mut self, plane: &CanvasPlane, wake: &Wake) -> Arc<CardTexture> {
+    pub fn plane(&mut self, plane: &CanvasPlane, wake: &Wake) -> OnCard {
         let format = wgpu::TextureFormat::R32Float;
         self.texture(plane.key, plane.plane.size(), format, plane.plane.clone(), |plane| plane.data(), wake)
     }
 
     /// The texture of marks, its upload begun if the card does not have this version.
-    pub fn marks(&mut self, marks: &CanvasMarks, wake: &Wake) -> Arc<CardTexture> {
+    pub fn marks(&mut self, marks: &CanvasMarks, wake: &Wake) -> OnCard {
         let format = wgpu::TextureFormat::R8Uint;
         self.texture(marks.key, marks.size, format, marks.marks.clone(), |marks| marks.as_slice(), wake)
     }
@@ -100,35 +120,28 @@ impl Textures {
         picture: Arc<P>,
         texels: fn(&P) -> &[T],
         wake: &Wake,
-    ) -> Arc<CardTexture> {
-        if let Some(entry) = self.entries.get_mut(&key.id) {
-            entry.last_used = Instant::now();
-            if let Some((version, coming)) = entry.coming.take_if(|(_, coming)| coming.is_complete()) {
-                (entry.version, entry.shown) = (version, coming);
-            }
-            // The old numbers stay until the new ones are complete; a version in between is never begun.
-            let keeps_the_old = entry.coming.is_some() && entry.shown.size == size;
-            if entry.version == key.version || keeps_the_old {
-                return entry.shown.clone();
-            }
+    ) -> OnCard {
+        let known = self.entries.get_mut(&key.id).filter(|entry| entry.shown.size == size);
+        if let Some(shown) = known.and_then(|entry| entry.shown_for(key.version)) {
+            return shown;
         }
         let new = self.create(size, format);
-        let entry = self.entries.remove(&key.id).filter(|entry| entry.shown.size == size);
-        let entry = match entry {
-            Some(entry) => Entry { coming: Some((key.version, new.clone())), ..entry },
-            None => Entry { version: key.version, shown: new.clone(), coming: None, last_used: Instant::now() },
+        let fresh = Entry { version: key.version, shown: new.clone(), coming: None, last_used: Instant::now() };
+        let entry = if size.0 * size.1 <= AT_ONCE_PIXELS {
+            upload(&self.queue, &new, texels(&picture), || ());
+            fresh
+        } else {
+            let (queue, texture, wake) = (self.queue.clone(), new.clone(), wake.clone());
+            std::thread::spawn(move || upload(&queue, &texture, texels(&picture), || wake()));
+            // The old numbers stay on screen until the new ones are complete.
+            match self.entries.remove(&key.id).filter(|entry| entry.shown.size == size) {
+                Some(old) => Entry { coming: Some((key.version, new)), ..old },
+                None => fresh,
+            }
         };
-        let shown = entry.shown.clone();
+        let shown = OnCard { texture: entry.shown.clone(), is_current: entry.version == key.version };
         self.entries.insert(key.id, entry);
         self.forget_unused();
-
-        let (queue, wake) = (self.queue.clone(), wake.clone());
-        let upload = move || upload(&queue, &new, texels(&picture), &wake);
-        if size.0 * size.1 <= AT_ONCE_PIXELS {
-            upload();
-        } else {
-            std::thread::spawn(upload);
-        }
         shown
     }
 
@@ -173,14 +186,14 @@ impl Textures {
     }
 }
 
-/// Sends the copies to the card, the smallest first, so that something can be seen at once.
-fn upload<T: Texel>(queue: &wgpu::Queue, texture: &CardTexture, texels: &[T], wake: &Wake) {
+/// Sends the copies to the card, the smallest first, so that something can be seen at once; `arrived` is called after each.
+fn upload<T: Texel>(queue: &wgpu::Queue, texture: &CardTexture, texels: &[T], arrived: impl Fn()) {
     let copies = smaller_copies(texture.size, texels);
     for level in (texture.dropped..level_count(texture.size)).rev() {
         let copy = if level == 0 { texels } else { &copies[level as usize - 1] };
         upload_level(queue, texture, level, copy);
         texture.finest.store(level, Ordering::Release);
-        wake();
+        arrived();
     }
 }
 

@@ -58,6 +58,19 @@ impl Card {
         self.draw_with(&mut canvas, drawing, size).0
     }
 
+    /// Draws again and again while the picture is on its way to the card: every drawing, the last one complete.
+    pub fn draw_until_loaded(&self, drawing: &Drawing<'_>, size: (u32, u32)) -> Vec<(Vec<[f32; 4]>, Resolution)> {
+        let mut canvas = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut drawn: Vec<(Vec<[f32; 4]>, Resolution)> = Vec::new();
+        while drawn.last().is_none_or(|(_, resolution)| resolution.loading) {
+            match self.bind(&mut canvas, drawing) {
+                Some(_) => drawn.push(self.draw_with(&mut canvas, drawing, size)),
+                None => std::thread::yield_now(),
+            }
+        }
+        drawn
+    }
+
     /// The numbers as drawn on a card whose textures have at most `max_side` pixels on a side.
     pub fn draw_limited(
         &self,
@@ -70,14 +83,18 @@ impl Card {
         self.draw_with(&mut canvas, drawing, size)
     }
 
+    fn bind(&self, canvas: &mut CanvasGpu, drawing: &Drawing<'_>) -> Option<(wgpu::BindGroup, Resolution)> {
+        let wake: Wake = Arc::new(|| ());
+        canvas.bind(drawing, &wake)
+    }
+
     fn draw_with(
         &self,
         canvas: &mut CanvasGpu,
         drawing: &Drawing<'_>,
         size: (u32, u32),
     ) -> (Vec<[f32; 4]>, Resolution) {
-        let wake: Wake = Arc::new(|| ());
-        let (bound, resolution) = canvas.bind(drawing, &wake).expect("small pictures are on the card at once");
+        let (bound, resolution) = self.bind(canvas, drawing).expect("small pictures are on the card at once");
         let target = self.target(size);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

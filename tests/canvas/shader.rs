@@ -168,6 +168,26 @@ fn a_picture_larger_than_the_textures_is_shown_at_a_stated_resolution() {
 }
 
 #[test]
+fn the_old_numbers_of_a_large_picture_stay_until_the_new_ones_are_complete() {
+    let Some(card) = card("a large picture") else { return };
+    let filled = |value: f32| Arc::new(Plane::filled(1400, 1000, value));
+    let old = CanvasPlane::new(filled(0.25));
+    let new = CanvasPlane { key: old.key.next_version(), plane: filled(0.75) };
+    let display = Display::default();
+    let placement = Placement { origin_px: [0.0, 0.0], scale: 1.0 };
+    let all_are = |drawn: &[[f32; 4]], value: f32| drawn.iter().all(|pixel| pixel[0] == value && pixel[3] == 1.0);
+    let drawings = |plane: &CanvasPlane| {
+        let source = Source::plane(plane.clone());
+        let drawing = Drawing { source: &source, display: &display, placement, background: BACKGROUND };
+        card.draw_until_loaded(&drawing, (48, 32))
+    };
+    assert!(drawings(&old).iter().all(|(drawn, _)| all_are(drawn, 0.25)));
+    for (drawn, resolution) in drawings(&new) {
+        assert!(all_are(&drawn, if resolution.loading { 0.25 } else { 0.75 }));
+    }
+}
+
+#[test]
 fn a_whole_pixel_has_the_colour_that_the_card_gives_it() {
     let Some(card) = card("a whole pixel") else { return };
     let (source, display) = (value(light(31)), Display { map: ColourMap::Viridis, ..Display::default() });

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Button, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase, Vec2, vec2};
+use eframe::egui::{
+    Button, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, Rect, ScrollArea, TouchPhase,
+    Vec2, vec2,
+};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::wgpu::WgpuTestRenderer;
 use egui_kittest::{Harness, HarnessBuilder};
@@ -51,7 +54,8 @@ impl Default for Window {
 impl Window {
     fn ui(&mut self, ui: &mut eframe::egui::Ui) {
         ui.add(Button::new("Before"));
-        let canvas = Canvas::new(&mut self.canvas, &self.sources[0], &self.displays[0]).label(LABEL).legend("of white");
+        let canvas =
+            Canvas::new(&mut self.canvas, &self.sources[0], &self.displays[0]).label(LABEL).legend("Light, of white");
         let canvas = canvas.against(&self.sources[1], &self.displays[1]).primary_drag(self.primary);
         let height = ui.available_height() - 40.0;
         let shown = ui.allocate_ui(vec2(ui.available_width(), height), |ui| canvas.show(ui)).inner;
@@ -105,7 +109,7 @@ fn it_is_an_image_with_a_name_a_zoom_and_a_legend() {
     let harness = window();
     let canvas = harness.get_by_role_and_label(Role::Image, LABEL);
     let value = canvas.accesskit_node().value().unwrap_or_default();
-    assert!(value.starts_with("Zoom ") && value.ends_with("Grey from 0 to 1.000 of white"), "{value}");
+    assert!(value.starts_with("Zoom ") && value.ends_with("Light, of white, Grey from 0 to 1"), "{value}");
 }
 
 #[test]
@@ -265,7 +269,7 @@ fn the_window_shows_what_the_twin_computes_on_both_sides_of_the_wipe() {
                 let at = [x as f32 + 0.5, y as f32 + 0.5];
                 let point = Pos2::new(at[0], at[1]) / density;
                 // Left out: the line itself with its grip, and the legend.
-                let covered = (at[0] - line).abs() < 12.0 || point.y > rect.bottom() - 50.0;
+                let covered = (at[0] - line).abs() < 12.0 || point.y > rect.bottom() - 60.0;
                 if covered || !seen.contains(point) || (at[0] > line) != (side == 1) {
                     continue;
                 }
@@ -279,3 +283,35 @@ fn the_window_shows_what_the_twin_computes_on_both_sides_of_the_wipe() {
     }
 }
 
+#[test]
+fn a_canvas_half_out_of_sight_keeps_its_picture_in_place() {
+    let Some(card) = card("half out of sight") else { return };
+    let render_state = card.render_state();
+    gpu::install(&render_state);
+    let mut harness = builder().renderer(WgpuTestRenderer::from_render_state(render_state)).build_ui_state(
+        |ui, window: &mut Window| {
+            // Fading edges would cover the picture.
+            ui.style_mut().spacing.scroll.fade.strength = 0.0;
+            // 900 points high, scrolled by 350: the canvas begins above the window and ends below it.
+            ScrollArea::vertical().vertical_scroll_offset(350.0).show(ui, |ui| {
+                ui.allocate_ui(vec2(ui.available_width(), 900.0), |ui| window.ui(ui));
+            });
+        },
+        Window::default(),
+    );
+    harness.set_render_cursor(false);
+    harness.run();
+    let picture = harness.render().unwrap();
+    let window = harness.state();
+    let transform = window.transform.unwrap();
+    assert!(transform.rect.top() < 0.0 && transform.rect.bottom() > 400.0);
+    let (source, display) = (&window.sources[0], &window.displays[0]);
+    let placement = transform.placement();
+    let twin = Twin::new(Drawing { source, display, placement, background: [0.0; 3] });
+    let seen = transform.image_rect().intersect(Rect::from_min_max(Pos2::ZERO, Pos2::new(440.0, 400.0))).shrink(10.0);
+    assert!(seen.area() > 50_000.0);
+    for (x, y, pixel) in picture.enumerate_pixels().filter(|&(x, y, _)| seen.contains(Pos2::new(x as f32, y as f32))) {
+        let expected = 255.0 * twin.pixel([x as f32 + 0.5, y as f32 + 0.5])[0];
+        assert!((f32::from(pixel.0[0]) - expected).abs() <= 1.0, "{x} {y}: {pixel:?} {expected}");
+    }
+}

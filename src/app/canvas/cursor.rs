@@ -1,6 +1,6 @@
 //! The pixel cursor: pointing at a pixel without a pointer.
 
-use eframe::egui::{Color32, Key, Painter, Response, Stroke, Ui, pos2};
+use eframe::egui::{Color32, Key, Painter, Rect, Response, Stroke, StrokeKind, Ui};
 
 use super::view::{Transform, View};
 
@@ -36,12 +36,18 @@ pub fn walk(
     (!transform.rect.contains(at)).then(|| transform.panned(transform.rect.center() - at))
 }
 
-/// A cross around the pixel, dark on light so that it shows on any picture.
+/// A frame around the pixel, or a cross when the pixel is small; dark on light, so that it shows on any picture.
 pub fn paint(painter: &Painter, transform: &Transform, cursor: Option<(usize, usize)>) {
     let Some((x, y)) = cursor else { return };
-    let at = transform.to_screen([x as f64 + 0.5, y as f64 + 0.5]);
+    let (x, y) = (x as f64, y as f64);
+    let pixel = Rect::from_min_max(transform.to_screen([x, y]), transform.to_screen([x + 1.0, y + 1.0]));
+    let at = pixel.center();
     for stroke in [Stroke::new(3.0, Color32::BLACK), Stroke::new(1.0, Color32::WHITE)] {
-        painter.line_segment([pos2(at.x - ARM, at.y), pos2(at.x + ARM, at.y)], stroke);
-        painter.line_segment([pos2(at.x, at.y - ARM), pos2(at.x, at.y + ARM)], stroke);
+        if pixel.width() > ARM {
+            painter.rect_stroke(pixel, 0.0, stroke, StrokeKind::Middle);
+        } else {
+            painter.hline(at.x - ARM..=at.x + ARM, at.y, stroke);
+            painter.vline(at.x, at.y - ARM..=at.y + ARM, stroke);
+        }
     }
 }

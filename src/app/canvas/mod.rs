@@ -3,7 +3,7 @@
 //! ```no_run
 //! # use firstbounce::{app::canvas::{Canvas, CanvasState}, gpu::{Display, Source}};
 //! # fn f(ui: &mut eframe::egui::Ui, state: &mut CanvasState, source: &Source) {
-//! let shown = Canvas::new(state, source, &Display::default()).label("Bounce 1, left").legend("of white").show(ui);
+//! let shown = Canvas::new(state, source, &Display::default()).label("Bounce 1, left").legend("Light, of white").show(ui);
 //! if let Some([x_px, y_px]) = shown.clicked {
 //!     println!("{x_px} {y_px}");
 //! }
@@ -14,6 +14,7 @@
 //! after the canvas lies above it.
 
 mod cursor;
+mod legend;
 mod navigation;
 mod overlay;
 mod view;
@@ -21,7 +22,9 @@ mod wipe;
 
 use std::sync::Arc;
 
-use eframe::egui::{Color32, Key, PointerButton, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
+use eframe::egui::{
+    Align2, Color32, Key, Painter, PointerButton, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo,
+};
 use eframe::egui_wgpu::Callback;
 
 use crate::gpu::{CanvasCallback, CanvasStatus, Display, Drawing, Resolution, Source};
@@ -125,9 +128,9 @@ impl<'a> Canvas<'a> {
         self
     }
 
-    /// Explains the colours; `unit` follows the largest value.
-    pub fn legend(mut self, unit: &'a str) -> Self {
-        self.legend = Some(unit);
+    /// Explains the colours of single values; `quantity` names them with their unit, "light, of white" for instance.
+    pub fn legend(mut self, quantity: &'a str) -> Self {
+        self.legend = Some(quantity);
         self
     }
 
@@ -173,20 +176,22 @@ impl<'a> Canvas<'a> {
         painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
         painter.rect_filled(transform.image_rect(), 0.0, ui.visuals().faint_bg_color);
 
-        let (shown, display) = self.other.filter(|_| shows_other).unwrap_or((self.source, self.display));
+        let shown = self.other.filter(|_| shows_other).unwrap_or((self.source, self.display));
         match self.other.filter(|_| self.state.compare == Compare::Wipe && !shows_other) {
             Some(other) => {
                 let line = rect.left() + self.state.wipe * rect.width();
                 let (left, right) = rect.split_left_right_at_x(line);
                 self.paint_part(ui, left, transform, (self.source, self.display));
                 self.paint_part(ui, right, transform, other);
+                self.paint_legend(&painter, rect, Align2::LEFT_BOTTOM, (self.source, self.display));
+                self.paint_legend(&painter, rect, Align2::RIGHT_BOTTOM, other);
                 let id = response.id.with("wipe");
                 wipe::handle(ui, id, rect, &mut self.state.wipe, &format!("Wipe, {}", self.label));
             }
-            None => self.paint_part(ui, rect, transform, (shown, display)),
-        }
-        if let Some(unit) = self.legend.filter(|unit| overlay::legend_text(shown, display, unit).is_some()) {
-            overlay::legend(&painter, rect, display, unit, ui.visuals());
+            None => {
+                self.paint_part(ui, rect, transform, shown);
+                self.paint_legend(&painter, rect, Align2::RIGHT_BOTTOM, shown);
+            }
         }
         let rim = ui.visuals().widgets.noninteractive.bg_stroke;
         painter.rect_stroke(transform.image_rect(), 0.0, rim, StrokeKind::Outside);
@@ -211,6 +216,12 @@ impl<'a> Canvas<'a> {
         overlay::close_up(&painter, transform, source, display);
     }
 
+    fn paint_legend(&self, painter: &Painter, rect: Rect, corner: Align2, (source, display): (&Source, &Display)) {
+        if let Some(quantity) = self.legend.filter(|_| legend::has_legend(source)) {
+            legend::paint(painter, rect, corner, display, quantity);
+        }
+    }
+
     fn describe(&self, ui: &Ui, response: &Response, transform: &Transform) {
         let label = self.label;
         response.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), label));
@@ -219,8 +230,8 @@ impl<'a> Canvas<'a> {
             let numbers = self.source.values_at(x, y).iter().map(|value| format!(" {value}")).collect::<String>();
             value.push_str(&format!(", pixel {x}, {y}:{numbers}"));
         }
-        if let Some(text) = self.legend.and_then(|unit| overlay::legend_text(self.source, self.display, unit)) {
-            value.push_str(&format!(", {text}"));
+        if let Some(quantity) = self.legend.filter(|_| legend::has_legend(self.source)) {
+            value.push_str(&format!(", {}", legend::text(self.display, quantity)));
         }
         ui.ctx().accesskit_node_builder(response.id, |node| {
             node.set_value(value);
@@ -231,7 +242,8 @@ impl<'a> Canvas<'a> {
     fn respond(self, ui: &Ui, response: Response, transform: Transform, shows_other: bool) -> CanvasResponse {
         let at_pointer = response.interact_pointer_pos().map(|point| transform.from_screen(point));
         let at_cursor = self.state.cursor.map(|(x, y)| [x as f64 + 0.5, y as f64 + 0.5]);
-        let under_pointer = response.hover_pos().and_then(|point| transform.pixel_at(point));
+        let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|_| response.contains_pointer());
+        let under_pointer = pointer.and_then(|point| transform.pixel_at(point));
         if response.drag_started_by(PointerButton::Primary) {
             let pressed_at = ui.input(|input| input.pointer.press_origin());
             self.state.drag_from_px = pressed_at.map(|point| transform.from_screen(point));

@@ -31,7 +31,8 @@ pub fn navigate(ui: &Ui, response: &Response, transform: &Transform, view: View,
     {
         return transform.panned(response.drag_delta());
     }
-    if let Some(anchor) = response.hover_pos() {
+    // Also over what the caller drew on top.
+    if let Some(anchor) = ui.input(|input| input.pointer.hover_pos()).filter(|_| response.contains_pointer()) {
         let factor = ui.input_mut(wheel_zoom);
         if factor != 1.0 {
             return transform.zoomed(factor, anchor);
