@@ -8,7 +8,7 @@ use eframe::wgpu;
 
 use super::drawing::{Drawing, Placement};
 use super::textures::Wake;
-use super::{CanvasGpu, Display, Output, Resolution, Source};
+use super::{Bound, CanvasGpu, Display, Output, Resolution, Source};
 
 /// Makes canvases draw with this renderer. Once, when the window opens; without it they stay flat.
 pub fn install(render_state: &RenderState) {
@@ -38,7 +38,7 @@ pub struct CanvasCallback {
     background: [f32; 3],
     status: Arc<CanvasStatus>,
     wake: Wake,
-    bound: OnceLock<wgpu::BindGroup>,
+    bound: OnceLock<Bound>,
 }
 
 impl CanvasCallback {
@@ -68,16 +68,16 @@ impl CallbackTrait for CanvasCallback {
         let Some(canvas) = resources.get_mut::<CanvasGpu>() else { return Vec::new() };
         let Self { source, display, placement, background, .. } = self;
         let drawing = Drawing { source, display, placement: *placement, background: *background };
-        if let Some((bound, resolution)) = canvas.bind(&drawing, &self.wake) {
+        if let Some(bound) = canvas.bind(&drawing, &self.wake) {
+            *self.status.resolution.lock() = Some(bound.resolution);
             self.bound.get_or_init(|| bound);
-            *self.status.resolution.lock() = Some(resolution);
         }
         Vec::new()
     }
 
-    fn paint(&self, _: PaintCallbackInfo, pass: &mut wgpu::RenderPass<'static>, resources: &CallbackResources) {
-        if let (Some(canvas), Some(bound)) = (resources.get::<CanvasGpu>(), self.bound.get()) {
-            canvas.draw(pass, bound);
+    fn paint(&self, _: PaintCallbackInfo, pass: &mut wgpu::RenderPass<'static>, _: &CallbackResources) {
+        if let Some(bound) = self.bound.get() {
+            bound.draw(pass);
         }
     }
 }

@@ -6,23 +6,27 @@ struct Canvas {
     scale: f32,
     texel_size: f32,
     size: vec2<f32>,
+    range: vec2<f32>,
     mip: u32,
-    plane_count: u32,
-    kind: u32,
+    nearest: u32,
     map: u32,
+    negative_zebra: u32,
+    clip: f32,
+    mask_dimming: f32,
     exponent: f32,
     gain: f32,
-    range: vec2<f32>,
-    clip: f32,
-    negative_zebra: u32,
-    mask_dimming: f32,
-    has_marks: u32,
-    has_mask: u32,
-    nearest: u32,
     background: vec4<f32>,
     tints: array<vec4<f32>, 8>,
     weights: array<vec4<f32>, 12>,
 }
+
+// Fixed when the pipeline is made: what a drawing does not use costs it nothing, not even on cards that run both sides of a
+// branch.
+override PLANE_COUNT: u32 = 1u;
+override KIND: u32 = 0u;
+override IS_GREY: bool = true;
+override HAS_MARKS: bool = false;
+override HAS_MASK: bool = false;
 
 @group(0) @binding(0) var<uniform> canvas: Canvas;
 @group(0) @binding(1) var colour_maps: texture_2d<f32>;
@@ -45,7 +49,6 @@ const COLOUR: u32 = 1u;
 const NORMAL: u32 = 2u;
 const DIFFERENCE: u32 = 3u;
 const RATIO: u32 = 4u;
-const GREY: u32 = 0u;
 
 const STRIPE: f32 = 4.0;
 const CLIP_STRIPE = vec3<f32>(0.898, 0.224, 0.208);
@@ -56,25 +59,6 @@ const NEGATIVE_STRIPE = vec3<f32>(0.118, 0.533, 0.898);
 fn cover(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     let corner = vec2<f32>(f32(index & 1u), f32(index >> 1u));
     return vec4<f32>(4.0 * corner - 1.0, 0.0, 1.0);
-}
-
-// Bindings cannot be indexed everywhere, so the slot is spelt out.
-fn load(slot: u32, at: vec2<i32>) -> f32 {
-    let mip = i32(canvas.mip);
-    switch slot {
-        case 0u: { return textureLoad(plane_0, at, mip).r; }
-        case 1u: { return textureLoad(plane_1, at, mip).r; }
-        case 2u: { return textureLoad(plane_2, at, mip).r; }
-        case 3u: { return textureLoad(plane_3, at, mip).r; }
-        case 4u: { return textureLoad(plane_4, at, mip).r; }
-        case 5u: { return textureLoad(plane_5, at, mip).r; }
-        case 6u: { return textureLoad(plane_6, at, mip).r; }
-        case 7u: { return textureLoad(plane_7, at, mip).r; }
-        case 8u: { return textureLoad(plane_8, at, mip).r; }
-        case 9u: { return textureLoad(plane_9, at, mip).r; }
-        case 10u: { return textureLoad(plane_10, at, mip).r; }
-        default: { return textureLoad(plane_11, at, mip).r; }
-    }
 }
 
 // By its bits, because a compiler may assume that arithmetic never meets NaN or infinity.
@@ -88,41 +72,62 @@ struct Values {
     known: bool,
 }
 
-// The three weighted sums of all planes at a position in texels.
-fn sums_at(texel: vec2<f32>) -> Values {
+// The corners of the square of texels around a position, and where in it the position lies. R32Float textures are not filtered
+// by every card, so it is done here.
+struct Taps {
+    first: vec2<i32>,
+    second: vec2<i32>,
+    part: vec2<f32>,
+}
+
+fn taps_at(texel: vec2<f32>) -> Taps {
     let last = vec2<i32>(textureDimensions(plane_0, i32(canvas.mip))) - 1;
-    // Four texels and their shares; R32Float textures are not filtered by every card, so it is done here.
+    if canvas.nearest == 1u {
+        let single = clamp(vec2<i32>(texel), vec2<i32>(0), last);
+        return Taps(single, single, vec2<f32>(0.0));
+    }
     let corner = floor(texel - 0.5);
-    let part = texel - 0.5 - corner;
     let first = clamp(vec2<i32>(corner), vec2<i32>(0), last);
     let second = clamp(vec2<i32>(corner) + 1, vec2<i32>(0), last);
-    let single = clamp(vec2<i32>(texel), vec2<i32>(0), last);
+    return Taps(first, second, texel - 0.5 - corner);
+}
 
-    var result = Values(vec3<f32>(0.0), true);
-    for (var slot = 0u; slot < canvas.plane_count; slot++) {
-        var value: f32;
-        if canvas.nearest == 1u {
-            value = load(slot, single);
-            result.known = result.known && is_finite(value);
-        } else {
-            let a = load(slot, first);
-            let b = load(slot, vec2<i32>(second.x, first.y));
-            let c = load(slot, vec2<i32>(first.x, second.y));
-            let d = load(slot, second);
-            result.known = result.known && is_finite(a) && is_finite(b) && is_finite(c) && is_finite(d);
-            value = mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
-        }
-        result.sums += canvas.weights[slot].xyz * value;
-    }
-    return result;
+// Adds one plane, weighted, to the three sums.
+fn with_plane(before: Values, plane: texture_2d<f32>, slot: u32, taps: Taps) -> Values {
+    let mip = i32(canvas.mip);
+    let a = textureLoad(plane, taps.first, mip).r;
+    let b = textureLoad(plane, vec2<i32>(taps.second.x, taps.first.y), mip).r;
+    let c = textureLoad(plane, vec2<i32>(taps.first.x, taps.second.y), mip).r;
+    let d = textureLoad(plane, taps.second, mip).r;
+    let value = mix(mix(a, b, taps.part.x), mix(c, d, taps.part.x), taps.part.y);
+    let known = is_finite(a) && is_finite(b) && is_finite(c) && is_finite(d);
+    return Values(before.sums + canvas.weights[slot].xyz * value, before.known && known);
+}
+
+// The three weighted sums of all planes at a position in texels. Bindings cannot be indexed everywhere, so they are spelt out.
+fn sums_at(texel: vec2<f32>) -> Values {
+    let taps = taps_at(texel);
+    var sums = with_plane(Values(vec3<f32>(0.0), true), plane_0, 0u, taps);
+    if PLANE_COUNT > 1u { sums = with_plane(sums, plane_1, 1u, taps); }
+    if PLANE_COUNT > 2u { sums = with_plane(sums, plane_2, 2u, taps); }
+    if PLANE_COUNT > 3u { sums = with_plane(sums, plane_3, 3u, taps); }
+    if PLANE_COUNT > 4u { sums = with_plane(sums, plane_4, 4u, taps); }
+    if PLANE_COUNT > 5u { sums = with_plane(sums, plane_5, 5u, taps); }
+    if PLANE_COUNT > 6u { sums = with_plane(sums, plane_6, 6u, taps); }
+    if PLANE_COUNT > 7u { sums = with_plane(sums, plane_7, 7u, taps); }
+    if PLANE_COUNT > 8u { sums = with_plane(sums, plane_8, 8u, taps); }
+    if PLANE_COUNT > 9u { sums = with_plane(sums, plane_9, 9u, taps); }
+    if PLANE_COUNT > 10u { sums = with_plane(sums, plane_10, 10u, taps); }
+    if PLANE_COUNT > 11u { sums = with_plane(sums, plane_11, 11u, taps); }
+    return sums;
 }
 
 // The numbers that the picture shows at a position in texels.
 fn values_at(texel: vec2<f32>) -> Values {
     var result = sums_at(texel);
-    if canvas.kind == DIFFERENCE {
+    if KIND == DIFFERENCE {
         result.sums = vec3<f32>(result.sums.x - result.sums.y, 0.0, 0.0);
-    } else if canvas.kind == RATIO {
+    } else if KIND == RATIO {
         result.known = result.known && result.sums.y != 0.0;
         result.sums = vec3<f32>(result.sums.x / result.sums.y, 0.0, 0.0);
     }
@@ -144,7 +149,7 @@ fn position(value: f32) -> f32 {
 
 fn mapped(value: f32) -> vec3<f32> {
     let along = position(value);
-    if canvas.map == GREY {
+    if IS_GREY {
         return vec3<f32>(encoded(along));
     }
     let index = min(floor(along * 255.0), 254.0);
@@ -155,10 +160,10 @@ fn mapped(value: f32) -> vec3<f32> {
 }
 
 fn colour(values: vec3<f32>) -> vec3<f32> {
-    if canvas.kind == COLOUR {
+    if KIND == COLOUR {
         return vec3<f32>(encoded(position(values.x)), encoded(position(values.y)), encoded(position(values.z)));
     }
-    if canvas.kind == NORMAL {
+    if KIND == NORMAL {
         return clamp(0.5 * values + 0.5, vec3<f32>(0.0), vec3<f32>(1.0));
     }
     return mapped(values.x);
@@ -169,7 +174,7 @@ fn tinted(pixel: vec3<f32>, texel: vec2<f32>) -> vec3<f32> {
     var result = pixel;
     let last = vec2<i32>(textureDimensions(plane_0, i32(canvas.mip))) - 1;
     let at = clamp(vec2<i32>(texel), vec2<i32>(0), last);
-    if canvas.has_marks == 1u {
+    if HAS_MARKS {
         let bits = textureLoad(marks, at, i32(canvas.mip)).r;
         for (var bit = 0u; bit < 8u; bit++) {
             if ((bits >> bit) & 1u) == 1u {
@@ -177,7 +182,7 @@ fn tinted(pixel: vec3<f32>, texel: vec2<f32>) -> vec3<f32> {
             }
         }
     }
-    if canvas.has_mask == 1u && textureLoad(mask, at, i32(canvas.mip)).r == 0u {
+    if HAS_MASK && textureLoad(mask, at, i32(canvas.mip)).r == 0u {
         result = mix(result, canvas.background.rgb, canvas.mask_dimming);
     }
     return result;
@@ -193,7 +198,7 @@ fn striped(pixel: vec3<f32>, values: vec3<f32>, target_px: vec2<f32>) -> vec3<f3
     // Of a single value the two other sums say nothing.
     var highest = values.x;
     var lowest = values.x;
-    if canvas.kind == COLOUR {
+    if KIND == COLOUR {
         highest = max(values.x, max(values.y, values.z));
         lowest = min(values.x, min(values.y, values.z));
     }

@@ -144,7 +144,7 @@ impl Layer {
 }
 
 /// What the shader makes of its three sums.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// The first sum through the colour map.
     Value = 0,

@@ -16,32 +16,24 @@ pub struct Uniforms {
     texel_size: f32,
     /// Width and height of the picture.
     size: [f32; 2],
+    /// Values after exposure at the ends of the colour map.
+    range: [f32; 2],
     /// Which mip level of the textures holds that copy.
     mip: u32,
-    /// How many of the twelve textures are in use.
-    plane_count: u32,
-    /// A `Kind`.
-    kind: u32,
+    /// 1 to show texels as squares.
+    nearest: u32,
     /// A `ColourMap`: the row of the colour table.
     map: u32,
+    /// 1 to stripe values below zero.
+    negative_zebra: u32,
+    /// Values from here on are striped; the largest float for never.
+    clip: f32,
+    /// How much of the picture outside the mask gives way to the background.
+    mask_dimming: f32,
     /// 0 for the sRGB curve, otherwise the exponent `1 / gamma`.
     exponent: f32,
     /// `2^stops`.
     gain: f32,
-    /// Values after exposure at the ends of the colour map.
-    range: [f32; 2],
-    /// Values from here on are striped; the largest float for never.
-    clip: f32,
-    /// 1 to stripe values below zero.
-    negative_zebra: u32,
-    /// How much of the picture outside the mask gives way to the background.
-    mask_dimming: f32,
-    /// 1 if the marks' texture is in use.
-    has_marks: u32,
-    /// 1 if the mask's texture is in use.
-    has_mask: u32,
-    /// 1 to show texels as squares.
-    nearest: u32,
     /// The colour around the picture and where it has no value; the fourth is 1.
     background: [f32; 4],
     /// For each bit of the marks a colour, and its strength as the fourth.
@@ -66,22 +58,18 @@ impl Uniforms {
             scale: placement.scale,
             texel_size: (sampling.level as f32).exp2(),
             size: [width as f32, height as f32],
+            range: display.drawn_range(),
             mip: sampling.level - dropped,
-            plane_count: source.planes.len() as u32,
-            kind: source.kind() as u32,
+            nearest: u32::from(sampling.nearest),
             map: display.map as u32,
+            negative_zebra: u32::from(display.negative_zebra && is_light),
+            clip: display.clip.filter(|_| is_light).unwrap_or(f32::MAX),
+            mask_dimming: display.mask_dimming,
             exponent: match display.encoding {
                 Encoding::Srgb => 0.0,
                 Encoding::Gamma(gamma) => 1.0 / gamma,
             },
             gain: display.gain(),
-            range: display.drawn_range(),
-            clip: display.clip.filter(|_| is_light).unwrap_or(f32::MAX),
-            negative_zebra: u32::from(display.negative_zebra && is_light),
-            mask_dimming: display.mask_dimming,
-            has_marks: u32::from(source.marks.is_some()),
-            has_mask: u32::from(source.mask.is_some()),
-            nearest: u32::from(sampling.nearest),
             background: [red, green, blue, 1.0],
             tints: display.tints.map(|tint| {
                 let [red, green, blue] = tint.colour.map(|channel| f32::from(channel) / 255.0);

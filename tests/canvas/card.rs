@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuSetup, WgpuSetupExisting};
 use eframe::wgpu;
-use firstbounce::gpu::{CanvasGpu, Drawing, Output, Resolution, Wake};
+use firstbounce::gpu::{Bound, CanvasGpu, Drawing, Output, Resolution, Wake};
 
 const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
@@ -83,7 +83,7 @@ impl Card {
         self.draw_with(&mut canvas, drawing, size)
     }
 
-    fn bind(&self, canvas: &mut CanvasGpu, drawing: &Drawing<'_>) -> Option<(wgpu::BindGroup, Resolution)> {
+    fn bind(&self, canvas: &mut CanvasGpu, drawing: &Drawing<'_>) -> Option<Bound> {
         let wake: Wake = Arc::new(|| ());
         canvas.bind(drawing, &wake)
     }
@@ -94,7 +94,7 @@ impl Card {
         drawing: &Drawing<'_>,
         size: (u32, u32),
     ) -> (Vec<[f32; 4]>, Resolution) {
-        let (bound, resolution) = self.bind(canvas, drawing).expect("small pictures are on the card at once");
+        let bound = self.bind(canvas, drawing).expect("small pictures are on the card at once");
         let target = self.target(size);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -108,9 +108,9 @@ impl Card {
                 })],
                 ..Default::default()
             });
-            canvas.draw(&mut pass, &bound);
+            bound.draw(&mut pass);
         }
-        (self.read_back(encoder, &target), resolution)
+        (self.read_back(encoder, &target), bound.resolution)
     }
 
     fn target(&self, (width, height): (u32, u32)) -> wgpu::Texture {

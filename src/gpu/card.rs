@@ -1,26 +1,35 @@
-//! The shader on the graphics card, with everything it reads.
+//! Drawings on the graphics card, with everything they read.
 
 use eframe::wgpu;
 use wgpu::util::DeviceExt;
 
 use super::drawing::Drawing;
+use super::shader::{CanvasShader, Output};
 use super::textures::{OnCard, Resolution, Textures, Wake};
 use super::uniforms::Uniforms;
 use super::{ColourMap, MAX_PLANES};
 
-/// What the shader writes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Output {
-    /// Colours in gamma space, for the window.
-    Colours,
-    /// The numbers behind the colours, and 1 where there are any, for a float target.
-    Values,
+/// A drawing with everything it needs on the card.
+pub struct Bound {
+    pipeline: wgpu::RenderPipeline,
+    group: wgpu::BindGroup,
+    /// How much of the picture the card has.
+    pub resolution: Resolution,
+}
+
+impl Bound {
+    /// Draws over the whole viewport of the pass.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
 }
 
 /// The canvas on one graphics card: shader, colour maps and the textures of all planes.
 pub struct CanvasGpu {
     device: wgpu::Device,
-    pipeline: wgpu::RenderPipeline,
+    shader: CanvasShader,
     colour_maps: wgpu::TextureView,
     /// Stand in for the planes and marks that a drawing does not use.
     no_plane: wgpu::TextureView,
@@ -43,19 +52,19 @@ impl CanvasGpu {
         output: Output,
         max_side: usize,
     ) -> Self {
-        let pipeline = pipeline(&device, target, output);
+        let shader = CanvasShader::new(&device, target, output);
         let maps: Vec<u8> =
             ColourMap::ALL.iter().flat_map(|map| map.table()).flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
         let colour_maps = small_texture(&device, &queue, wgpu::TextureFormat::Rgba8Unorm, (256, 4), &maps);
         let no_plane = small_texture(&device, &queue, wgpu::TextureFormat::R32Float, (1, 1), &[0; 4]);
         let no_marks = small_texture(&device, &queue, wgpu::TextureFormat::R8Uint, (1, 1), &[0]);
         let textures = Textures::new(device.clone(), queue, max_side);
-        Self { device, pipeline, colour_maps, no_plane, no_marks, textures }
+        Self { device, shader, colour_maps, no_plane, no_marks, textures }
     }
 
     /// Gathers what a drawing reads, and begins the upload of planes that the card does not have. `None` until there is
     /// something to see; `wake` is called, from any thread, when there is more.
-    pub fn bind(&mut self, drawing: &Drawing<'_>, wake: &Wake) -> Option<(wgpu::BindGroup, Resolution)> {
+    pub fn bind(&mut self, drawing: &Drawing<'_>, wake: &Wake) -> Option<Bound> {
         let source = drawing.source;
         let size = source.size();
         if size.0 == 0 || size.1 == 0 {
@@ -76,14 +85,8 @@ impl CanvasGpu {
             usage: wgpu::BufferUsages::UNIFORM,
         });
         let resolution = Resolution { divisor: 1 << dropped, loading: finest > dropped || !is_current };
-        Some((self.bind_group(&uniforms, &planes, marks.as_ref(), mask.as_ref()), resolution))
-    }
-
-    /// Draws what `bind` gathered over the whole viewport of the pass.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, bound: &wgpu::BindGroup) {
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, bound, &[]);
-        pass.draw(0..3, 0..1);
+        let group = self.bind_group(&uniforms, &planes, marks.as_ref(), mask.as_ref());
+        Some(Bound { pipeline: self.shader.pipeline(&self.device, drawing), group, resolution })
     }
 
     fn bind_group(
@@ -103,74 +106,10 @@ impl CanvasGpu {
             resources.zip(0..).map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource }).collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("canvas"),
-            layout: &self.pipeline.get_bind_group_layout(0),
+            layout: &self.shader.layout,
             entries: &entries,
         })
     }
-}
-
-fn pipeline(device: &wgpu::Device, target: wgpu::TextureFormat, output: Output) -> wgpu::RenderPipeline {
-    let shader = device.create_shader_module(wgpu::include_wgsl!("canvas.wgsl"));
-    let layout = bind_group_layout(device);
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("canvas"),
-        bind_group_layouts: &[Some(&layout)],
-        immediate_size: 0,
-    });
-    let entry_point = match output {
-        Output::Colours => "show_colours",
-        Output::Values => "show_values",
-    };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("canvas"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &shader,
-            entry_point: Some("cover"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader,
-            entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(target.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
-}
-
-/// Binding 0 is the uniforms, 1 the colour maps, 2 the marks, 3 the mask, and from 4 on the planes. Spelt out, because the
-/// numbers' shader reads fewer of them.
-fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let texture = |sample_type| wgpu::BindingType::Texture {
-        sample_type,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
-    let uniforms = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    let unfiltered = texture(wgpu::TextureSampleType::Float { filterable: false });
-    let bytes = texture(wgpu::TextureSampleType::Uint);
-    let entries: Vec<_> = [uniforms, unfiltered, bytes, bytes]
-        .into_iter()
-        .chain([unfiltered; MAX_PLANES])
-        .zip(0..)
-        .map(|(ty, binding)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty,
-            count: None,
-        })
-        .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("canvas"), entries: &entries })
 }
 
 fn small_texture(
