@@ -1,8 +1,8 @@
 //! Firstbounce: photometric stereo without the light between an object's own walls.
 
-mod cli;
-
 use std::process::ExitCode;
+
+use firstbounce::cli;
 
 fn main() -> ExitCode {
     let command = cli::parse();

@@ -1,0 +1,28 @@
+//! Pictures on the graphics card: planes as textures, and the shader that turns them into colours.
+//!
+//! A [`Source`] says which numbers are shown, a [`Display`] how they become colours, a [`Placement`] where on the
+//! target. [`CanvasGpu`] draws them with the shader `canvas.wgsl`; [`Twin`] computes the same in plain Rust.
+
+mod callback;
+mod card;
+mod colour;
+mod difference;
+mod display;
+mod drawing;
+mod pyramid;
+mod shader;
+mod source;
+mod textures;
+mod twin;
+mod uniforms;
+
+pub use callback::{CanvasCallback, CanvasStatus, install};
+pub use card::{Bound, CanvasGpu};
+pub use colour::{colour_of_value, shade};
+pub use difference::{Difference, DifferenceError, difference};
+pub use display::{ColourMap, Display, Encoding, Tint};
+pub use drawing::{Drawing, Placement, Sampling};
+pub use shader::Output;
+pub use source::{CanvasMarks, CanvasPlane, Kind, Layer, MAX_PLANES, PlaneKey, Source, SourceError};
+pub use textures::{Resolution, Wake};
+pub use twin::Twin;

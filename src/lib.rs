@@ -1,0 +1,5 @@
+//! The program: its command line, its window and the graphics behind it.
+
+pub mod app;
+pub mod cli;
+pub mod gpu;

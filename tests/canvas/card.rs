@@ -1,0 +1,150 @@
+//! The graphics card of the tests, and drawing into memory with it.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuSetup, WgpuSetupExisting};
+use eframe::wgpu;
+use firstbounce::gpu::{Bound, CanvasGpu, Drawing, Output, Resolution, Wake};
+
+const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+pub struct Card {
+    instance: wgpu::Instance,
+    adapter: wgpu::Adapter,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    /// Shared, because making a pipeline takes longer than a drawing.
+    colours: Mutex<CanvasGpu>,
+    values: Mutex<CanvasGpu>,
+}
+
+/// The one device of all tests; `None`, with a line that names the test, on a machine without an adapter.
+pub fn card(test: &str) -> Option<&'static Card> {
+    static CARD: OnceLock<Option<Card>> = OnceLock::new();
+    let card = CARD.get_or_init(|| {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
+        let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).ok()?;
+        let canvas = |output| Mutex::new(CanvasGpu::new(device.clone(), queue.clone(), TARGET, output));
+        let (colours, values) = (canvas(Output::Colours), canvas(Output::Values));
+        Some(Card { instance, adapter, device, queue, colours, values })
+    });
+    if card.is_none() {
+        println!("{test}: skipped: no wgpu adapter");
+    }
+    card.as_ref()
+}
+
+impl Card {
+    /// A renderer for the window's harness, on the same device.
+    pub fn render_state(&self) -> RenderState {
+        let setup = WgpuSetup::Existing(WgpuSetupExisting {
+            instance: self.instance.clone(),
+            adapter: self.adapter.clone(),
+            device: self.device.clone(),
+            queue: self.queue.clone(),
+        });
+        egui_kittest::wgpu::create_render_state(setup, RendererOptions::PREDICTABLE)
+    }
+
+    /// Draws into a float target of `width * height` pixels and reads it back. `width` must be a multiple of 16.
+    pub fn draw(&self, drawing: &Drawing<'_>, output: Output, size: (u32, u32)) -> Vec<[f32; 4]> {
+        let canvas = match output {
+            Output::Colours => &self.colours,
+            Output::Values => &self.values,
+        };
+        let mut canvas = canvas.lock().unwrap_or_else(PoisonError::into_inner);
+        self.draw_with(&mut canvas, drawing, size).0
+    }
+
+    /// Draws again and again while the picture is on its way to the card: every drawing, the last one complete.
+    pub fn draw_until_loaded(&self, drawing: &Drawing<'_>, size: (u32, u32)) -> Vec<(Vec<[f32; 4]>, Resolution)> {
+        let mut canvas = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut drawn: Vec<(Vec<[f32; 4]>, Resolution)> = Vec::new();
+        while drawn.last().is_none_or(|(_, resolution)| resolution.loading) {
+            match self.bind(&mut canvas, drawing) {
+                Some(_) => drawn.push(self.draw_with(&mut canvas, drawing, size)),
+                None => std::thread::yield_now(),
+            }
+        }
+        drawn
+    }
+
+    /// The numbers as drawn on a card whose textures have at most `max_side` pixels on a side.
+    pub fn draw_limited(
+        &self,
+        drawing: &Drawing<'_>,
+        size: (u32, u32),
+        max_side: usize,
+    ) -> (Vec<[f32; 4]>, Resolution) {
+        let (device, queue) = (self.device.clone(), self.queue.clone());
+        let mut canvas = CanvasGpu::with_max_side(device, queue, TARGET, Output::Values, max_side);
+        self.draw_with(&mut canvas, drawing, size)
+    }
+
+    fn bind(&self, canvas: &mut CanvasGpu, drawing: &Drawing<'_>) -> Option<Bound> {
+        let wake: Wake = Arc::new(|| ());
+        canvas.bind(drawing, &wake)
+    }
+
+    fn draw_with(
+        &self,
+        canvas: &mut CanvasGpu,
+        drawing: &Drawing<'_>,
+        size: (u32, u32),
+    ) -> (Vec<[f32; 4]>, Resolution) {
+        let bound = self.bind(canvas, drawing).expect("small pictures are on the card at once");
+        let target = self.target(size);
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    resolve_target: None,
+                    ops: wgpu::Operations::default(),
+                    depth_slice: None,
+                })],
+                ..Default::default()
+            });
+            bound.draw(&mut pass);
+        }
+        (self.read_back(encoder, &target), bound.resolution)
+    }
+
+    fn target(&self, (width, height): (u32, u32)) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TARGET,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        })
+    }
+
+    fn read_back(&self, mut encoder: wgpu::CommandEncoder, target: &wgpu::Texture) -> Vec<[f32; 4]> {
+        let bytes_per_row = 16 * target.width();
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(bytes_per_row * target.height()),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(bytes_per_row), rows_per_image: None };
+        encoder.copy_texture_to_buffer(
+            target.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            target.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+        buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
+        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        let mapped = buffer.slice(..).get_mapped_range().unwrap();
+        bytemuck::cast_slice::<u8, [f32; 4]>(&mapped).to_vec()
+    }
+}

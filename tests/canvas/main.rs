@@ -1,0 +1,5 @@
+//! The canvas: its shader against the CPU twin, and the widget by its accessible name.
+
+mod card;
+mod shader;
+mod widget;
