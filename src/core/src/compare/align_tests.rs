@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Vector3, vector};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use super::test_meshes::{bumps, cut, moved, relief, with_noise};
 use super::*;
@@ -67,7 +68,7 @@ fn a_noisy_copy_with_a_third_cut_away_comes_back() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 8, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 8, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
     #[test]
     fn any_ten_degrees_and_five_mm_come_back(
         axis in prop::array::uniform3(-1.0..1.0f64), shift in prop::array::uniform3(-1.0..1.0f64),
@@ -78,7 +79,7 @@ proptest! {
         let made = motion(axis, 10.0, shift_mm);
         let found = align(&moved(&fixed, &made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
         let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
-        prop_assert!(mm < 0.01 && degrees < 0.01, "{} mm, {} degrees", mm, degrees);
+        prop_assert!(!found.searched && mm < 0.01 && degrees < 0.01, "{} mm, {} degrees", mm, degrees);
     }
 }
 
