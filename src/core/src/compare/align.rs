@@ -8,14 +8,31 @@ use super::surface::Surface;
 use super::{AlignOptions, CompareError, FreeMotion, Side, Start, rigid_from_pairs};
 use crate::{Mesh, Watch};
 
-/// Vertices of the moving mesh left at each level, as a divisor of the last level's.
-const LEVEL_STEP: [usize; 3] = [16, 4, 1];
-/// How far a pair may reach at each level, as a fraction of the reference's diagonal.
-const LEVEL_REACH: [f64; 3] = [0.2, 0.05, 0.0];
-/// The smallest cosine between the normals of a pair at each level.
-const LEVEL_COSINE: [f64; 3] = [0.2, 0.5, 0.5];
-/// A level ends when a step moves the points by less than this fraction of the diagonal.
-const LEVEL_STILL: [f64; 3] = [1e-4, 1e-5, 2e-7];
+/// One pass from coarse to fine.
+struct Level {
+    /// Its number in the report; 0 is the coarsest.
+    number: usize,
+    /// Every how many-th sample takes part.
+    step: usize,
+    /// How far a pair may reach at least, as a fraction of the reference's diagonal.
+    reach: f64,
+    /// The smallest cosine between the normals of a pair.
+    least_cosine: f64,
+    /// The level ends when a step moves the points by less than this fraction of the diagonal,
+    still: f64,
+    /// or after this many iterations, if the options do not say fewer.
+    iterations: usize,
+}
+
+const SCOUT: Level = Level { number: 0, step: 64, reach: 0.2, least_cosine: 0.2, still: 1e-3, iterations: 20 };
+const FIRST: Level = Level { number: 0, step: 16, reach: 0.2, least_cosine: 0.2, still: 1e-4, iterations: usize::MAX };
+const SECOND: Level = Level { number: 1, step: 4, reach: 0.05, least_cosine: 0.5, still: 1e-5, iterations: usize::MAX };
+const LAST: Level = Level { number: 2, step: 1, reach: 0.0, least_cosine: 0.5, still: 2e-7, iterations: usize::MAX };
+
+/// Vertices of the reference at the first level.
+const COARSE_VERTICES: usize = 10_000;
+/// How many of the searched starts go on from scouting to the first level.
+const SCOUTS_KEPT: usize = 3;
 /// A start whose first level leaves less than this fraction of the diagonal, over half the mesh, is right.
 const GOOD_RMS: f64 = 0.002;
 const GOOD_OVERLAP: f64 = 0.5;
@@ -78,6 +95,7 @@ pub fn align(
 ) -> Result<Alignment, CompareError> {
     options.check()?;
     let surface = Surface::new(fixed, Side::Fixed)?;
+    let coarse_surface = surface.coarse(fixed, Side::Fixed, COARSE_VERTICES)?;
     let samples = Samples::of_mesh(moving, options.samples)?;
     let given = match &options.start {
         Start::CameraFrame => Isometry3::identity(),
@@ -87,15 +105,12 @@ pub fn align(
     let given = between_centres(&given, &samples.centre, &surface.centre);
     watch.progress(0.2);
 
-    let job = Job { surface: &surface, samples: &samples, options, watch };
-    let coarse = job.first_level(given)?;
-    let (mut run, searched) = job.search(coarse)?;
+    let job = Job { surface: &surface, coarse_surface: &coarse_surface, samples: &samples, options, watch };
+    let (run, searched) = job.search(job.level(&FIRST, Run::from(given))?)?;
     watch.progress(0.6);
-    for level in 1..LEVEL_STEP.len() {
-        run = job.level(level, run)?;
-        watch.progress(0.6 + 0.2 * level as f32);
-    }
-    job.finish(run, searched)
+    let run = job.level(&SECOND, run)?;
+    watch.progress(0.8);
+    job.finish(job.level(&LAST, run)?, searched)
 }
 
 /// A pose between two frames, as the pose between the same frames with their origins at the given centres.
@@ -113,6 +128,12 @@ struct Run {
     converged: bool,
 }
 
+impl From<Isometry3<f64>> for Run {
+    fn from(pose: Isometry3<f64>) -> Self {
+        Self { pose, iterations: vec![], rms_mm: f64::INFINITY, overlap: 0.0, converged: false }
+    }
+}
+
 impl Run {
     /// Smaller is better: the residual, weighed up for the part of the mesh that it does not cover (as in Phillips, Liu
     /// and Tomasi 2007, whose exponent for meshes is 3).
@@ -123,6 +144,7 @@ impl Run {
 
 struct Job<'a> {
     surface: &'a Surface,
+    coarse_surface: &'a Surface,
     samples: &'a Samples,
     options: &'a AlignOptions,
     watch: &'a dyn Watch,
@@ -133,29 +155,26 @@ impl Job<'_> {
         self.options.reach_mm.unwrap_or(0.02 * self.surface.diagonal_mm)
     }
 
-    fn gate(&self, level: usize) -> Gate {
-        let reach_mm = self.reach_mm().max(LEVEL_REACH[level] * self.surface.diagonal_mm);
-        Gate { reach_mm, least_cosine: LEVEL_COSINE[level] }
-    }
-
-    fn first_level(&self, pose: Isometry3<f64>) -> Result<Run, CompareError> {
-        self.level(0, Run { pose, iterations: vec![], rms_mm: f64::INFINITY, overlap: 0.0, converged: false })
+    fn gate(&self, level: &Level) -> Gate {
+        let reach_mm = self.reach_mm().max(level.reach * self.surface.diagonal_mm);
+        Gate { reach_mm, least_cosine: level.least_cosine }
     }
 
     /// Iterates at one level until the points rest.
-    fn level(&self, level: usize, mut run: Run) -> Result<Run, CompareError> {
-        let samples = self.samples.every(LEVEL_STEP[level]);
+    fn level(&self, level: &Level, mut run: Run) -> Result<Run, CompareError> {
+        let samples = self.samples.every(level.step);
+        let surface = if level.number == 0 { self.coarse_surface } else { self.surface };
         run.converged = false;
-        for _ in 0..self.options.iterations {
+        for _ in 0..self.options.iterations.min(level.iterations) {
             if self.watch.cancelled() {
                 return Err(CompareError::Cancelled);
             }
-            let mut pairs = samples.pairs(self.surface, &run.pose, self.gate(level));
+            let mut pairs = samples.pairs(surface, &run.pose, self.gate(level));
             run.overlap = pairs.overlap();
             pairs.trim(self.options.trim);
             run.rms_mm = pairs.rms_mm();
             run.iterations.push(Iteration {
-                level,
+                level: level.number,
                 samples: pairs.asked,
                 pairs: pairs.kept.len(),
                 rms_mm: run.rms_mm,
@@ -164,7 +183,7 @@ impl Job<'_> {
             let Some(equations) = MotionEquations::new(&pairs.kept) else { break };
             let (motion, moved_mm) = equations.solve();
             run.pose = motion * run.pose;
-            if moved_mm < LEVEL_STILL[level] * self.surface.diagonal_mm {
+            if moved_mm < level.still * self.surface.diagonal_mm {
                 run.converged = true;
                 break;
             }
@@ -179,17 +198,19 @@ impl Job<'_> {
             return Ok((given, false));
         }
         let starts = other_starts();
-        let mut best: Option<Run> = None;
+        let mut scouts = Vec::with_capacity(starts.len());
         for (tried, pose) in starts.iter().enumerate() {
-            let run = self.first_level(*pose)?;
-            let cost_to_beat = best.as_ref().map_or(SEARCH_MUST_GAIN * given.cost(), Run::cost);
-            if self.fits(&run) && run.cost() < cost_to_beat {
-                best = Some(run);
-            }
-            self.watch.progress(0.2 + 0.4 * (tried + 1) as f32 / starts.len() as f32);
+            scouts.push(self.level(&SCOUT, Run::from(*pose))?);
+            self.watch.progress(0.2 + 0.4 * tried as f32 / starts.len() as f32);
         }
-        let searched = best.is_some();
-        Ok((best.unwrap_or(given), searched))
+        scouts.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
+        for scout in scouts.into_iter().take(SCOUTS_KEPT) {
+            let run = self.level(&FIRST, Run::from(scout.pose))?;
+            if self.fits(&run) && run.cost() < SEARCH_MUST_GAIN * given.cost() {
+                return Ok((run, true));
+            }
+        }
+        Ok((given, false))
     }
 
     fn fits(&self, run: &Run) -> bool {
@@ -198,7 +219,7 @@ impl Job<'_> {
 
     /// Measures the result at the final pose, and refuses one without overlap.
     fn finish(&self, run: Run, searched: bool) -> Result<Alignment, CompareError> {
-        let mut pairs = self.samples.pairs(self.surface, &run.pose, self.gate(LEVEL_STEP.len() - 1));
+        let mut pairs = self.samples.pairs(self.surface, &run.pose, self.gate(&LAST));
         let overlap = pairs.overlap();
         self.refuse_no_overlap(&pairs, overlap)?;
         pairs.trim(self.options.trim);

@@ -8,6 +8,7 @@
 mod align;
 #[cfg(test)]
 mod align_tests;
+mod cells;
 mod distances;
 mod heat_map;
 mod motion;

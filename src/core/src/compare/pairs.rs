@@ -1,10 +1,9 @@
 //! The points of the moving mesh that take part, and where they meet the reference.
 
-use std::collections::HashMap;
-
 use nalgebra::{Isometry3, Point3, Vector3};
 use rayon::prelude::*;
 
+use super::cells::first_in_cell;
 use super::surface::{Surface, centre_and_diagonal};
 use super::{CompareError, Side, check_mesh};
 use crate::Mesh;
@@ -81,24 +80,14 @@ impl Samples {
         let (mesh, _) = mesh.welded();
         let (centre, _) = centre_and_diagonal(&mesh, Side::Moving)?;
         let normals = if mesh.normals.is_empty() { mesh.area_weighted_normals() } else { mesh.normals.clone() };
-        let points =
-            mesh.positions.iter().zip(&normals).map(|(p, n)| (Point3::from(p.cast::<f64>() - centre), n.cast()));
-        let all = Self { points: points.collect(), centre };
-        if all.points.len() <= wanted {
-            return Ok(all);
+        let mut chosen: Vec<usize> = (0..mesh.positions.len()).collect();
+        if chosen.len() > wanted {
+            let first = first_in_cell(&mesh, wanted);
+            chosen.retain(|&index| first[index] as usize == index);
         }
-        Ok(all.thinned(wanted, area_mm2(&mesh)))
-    }
-
-    fn thinned(&self, wanted: usize, area_mm2: f64) -> Self {
-        let cell_mm = (area_mm2 / wanted as f64).sqrt().max(f64::MIN_POSITIVE);
-        let mut first_in_cell = HashMap::with_capacity(2 * wanted);
-        for (index, (point, _)) in self.points.iter().enumerate() {
-            first_in_cell.entry(point.coords.map(|x| (x / cell_mm).floor() as i64)).or_insert(index);
-        }
-        let mut chosen: Vec<usize> = first_in_cell.into_values().collect();
-        chosen.sort_unstable();
-        Self { points: chosen.into_iter().map(|index| self.points[index]).collect(), centre: self.centre }
+        let point = |index: usize| Point3::from(mesh.positions[index].cast::<f64>() - centre);
+        let points = chosen.into_iter().map(|index| (point(index), normals[index].cast())).collect();
+        Ok(Self { points, centre })
     }
 
     /// Every `step`-th sample.
@@ -126,29 +115,5 @@ impl Samples {
         let facing_away = met.iter().filter(|(_, cosine)| *cosine < 0.0).count();
         let kept = met.into_iter().filter(|(_, cosine)| *cosine >= gate.least_cosine).map(|(pair, _)| pair).collect();
         Pairs { kept, asked: self.len(), facing_away }
-    }
-}
-
-fn area_mm2(mesh: &Mesh) -> f64 {
-    let area = |corners: &[u32; 3]| {
-        let [p, q, r] = corners.map(|corner| mesh.positions[corner as usize].cast::<f64>());
-        (q - p).cross(&(r - p)).norm() / 2.0
-    };
-    mesh.triangles.iter().map(area).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::compare::test_meshes::{bumps, relief};
-
-    #[test]
-    fn thinning_takes_about_as_many_as_wanted_and_spreads_them() {
-        let mesh = relief(200, 0.5, bumps);
-        let samples = Samples::of_mesh(&mesh, 2000).unwrap();
-        assert!((1000..4000).contains(&samples.len()), "{}", samples.len());
-        let left = samples.points.iter().filter(|(p, _)| p.x < 0.0).count();
-        assert!((left as f64 / samples.len() as f64 - 0.5).abs() < 0.05);
-        assert_eq!(Samples::of_mesh(&mesh, 1_000_000).unwrap().len(), 201 * 201);
     }
 }

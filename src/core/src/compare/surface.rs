@@ -5,6 +5,7 @@ use parry3d::math::Vector;
 use parry3d::query::PointQueryWithLocation;
 use parry3d::shape::{TriMesh, TrianglePointLocation};
 
+use super::cells::clustered;
 use super::{CompareError, Side, check_mesh};
 use crate::Mesh;
 use crate::mesh_topology::OpenEdges;
@@ -43,12 +44,22 @@ impl Surface {
         check_mesh(mesh, side)?;
         let (mesh, _) = mesh.welded();
         let (centre, diagonal_mm) = centre_and_diagonal(&mesh, side)?;
+        Self::around(&mesh, side, centre, diagonal_mm)
+    }
+
+    /// The same for a coarse version of the mesh with about `wanted` vertices, around the same centre: closest points
+    /// far from the surface are found many times faster.
+    pub fn coarse(&self, mesh: &Mesh, side: Side, wanted: usize) -> Result<Self, CompareError> {
+        Self::around(&clustered(mesh, wanted), side, self.centre, self.diagonal_mm)
+    }
+
+    fn around(mesh: &Mesh, side: Side, centre: Point3<f64>, diagonal_mm: f64) -> Result<Self, CompareError> {
         let normals = if mesh.normals.is_empty() { mesh.area_weighted_normals() } else { mesh.normals.clone() };
         let open = mesh.open_edges();
         let mut on_border = vec![false; mesh.positions.len()];
         open.border.iter().flatten().for_each(|&vertex| on_border[vertex as usize] = true);
         let centred = mesh.positions.iter().map(|p| single((p.cast::<f64>() - centre).into())).collect();
-        let triangles = TriMesh::new(centred, mesh.triangles).map_err(|_| CompareError::NoExtent { side })?;
+        let triangles = TriMesh::new(centred, mesh.triangles.clone()).map_err(|_| CompareError::NoExtent { side })?;
         Ok(Self { triangles, normals, open, on_border, centre, diagonal_mm })
     }
 
