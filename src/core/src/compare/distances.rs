@@ -61,8 +61,8 @@ pub struct Comparison {
 /// Measures every vertex of `a`, moved by `a_to_b`, against the surface of `b`.
 ///
 /// # Errors
-/// Meshes that are empty, not finite, or in pixels; a limit that is not positive; `NoOverlap` if no vertex has a
-/// counterpart; cancelled.
+/// Meshes that are empty, not finite, or in pixels; a limit that is not positive; `NothingWithin` if no vertex has
+/// a counterpart; cancelled.
 pub fn distances(
     a: &Mesh,
     b: &Mesh,
@@ -89,13 +89,13 @@ pub fn distances(
         }));
         watch.progress(met.len() as f32 / a.positions.len() as f32);
     }
-    summary(&met, a_to_b)
+    summary(&met, a_to_b, limit_mm)
 }
 
-fn summary(met: &[Option<(f64, f64)>], a_to_b: &Isometry3<f64>) -> Result<Comparison, CompareError> {
+fn summary(met: &[Option<(f64, f64)>], a_to_b: &Isometry3<f64>, limit_mm: f64) -> Result<Comparison, CompareError> {
     let mut sizes: Vec<f64> = met.iter().flatten().map(|(signed, _)| signed.abs()).collect();
     if sizes.is_empty() {
-        return Err(CompareError::NoOverlap { overlap: 0.0, minimum: 0.0 });
+        return Err(CompareError::NothingWithin { limit_mm });
     }
     let count = sizes.len() as f64;
     sizes.par_sort_unstable_by(f64::total_cmp);
@@ -114,4 +114,50 @@ fn summary(met: &[Option<(f64, f64)>], a_to_b: &Isometry3<f64>) -> Result<Compar
         translation_mm: a_to_b.translation.vector,
         matrix: a_to_b.to_homogeneous(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Unwatched;
+    use crate::compare::test_meshes::{moved, relief};
+
+    fn measure(a: &Mesh, b: &Mesh, limit_mm: Option<f64>) -> Comparison {
+        distances(a, b, &Isometry3::identity(), &DistanceOptions { limit_mm }, &Unwatched).unwrap()
+    }
+
+    #[test]
+    fn a_shell_half_a_mm_outside_a_sphere_is_half_a_mm_away_everywhere() {
+        let cap = |radius: f64| move |x: f64, y: f64| (radius * radius - x * x - y * y).sqrt();
+        let found = measure(&relief(100, 0.3, cap(50.5)), &relief(160, 0.25, cap(50.0)), None);
+        assert!((found.mean_mm - 0.5).abs() < 1e-3 && (found.bias_mm - 0.5).abs() < 1e-3, "{found:?}");
+        assert!((found.rms_mm - 0.5).abs() < 1e-3 && (found.p95_mm - 0.5).abs() < 2e-3);
+        assert!(found.orientation_error_deg < 0.2 && found.overlap == 1.0);
+        let inside = measure(&relief(100, 0.3, cap(49.5)), &relief(160, 0.25, cap(50.0)), None);
+        assert!((inside.bias_mm + 0.5).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_ramp_has_the_distances_and_the_angle_of_a_ramp() {
+        // Heights up to 1.6 mm over 40 mm, over a larger plane.
+        let slope = 0.04f64;
+        let found = measure(&relief(80, 0.5, |x, _| slope * (x + 20.0)), &relief(60, 1.0, |_, _| 0.0), None);
+        assert!((found.mean_mm - 0.8).abs() < 1e-4 && (found.max_mm - 1.6).abs() < 1e-4);
+        assert!((found.rms_mm - 1.6 / 3f64.sqrt()).abs() < 0.01);
+        assert!((found.p95_mm - 0.95 * 1.6).abs() < 0.02);
+        assert!((found.orientation_error_deg - slope.atan().to_degrees()).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_the_reference_lacks_does_not_count() {
+        let plane = relief(40, 1.0, |_, _| 0.0);
+        // Half of the copy hangs over the edge; what lies over the plane is 3 mm above it.
+        let copy = moved(&plane, &Isometry3::translation(20.5, 0.0, 3.0));
+        let found = measure(&copy, &plane, None);
+        assert!((found.overlap - 20.0 / 41.0).abs() < 1e-9 && (found.max_mm - 3.0).abs() < 1e-5);
+        assert_eq!(found.signed_mm.iter().filter(|signed| signed.is_none()).count(), 21 * 41);
+        let none = DistanceOptions { limit_mm: Some(2.0) };
+        let refused = distances(&copy, &plane, &Isometry3::identity(), &none, &Unwatched);
+        assert_eq!(refused, Err(CompareError::NothingWithin { limit_mm: 2.0 }));
+    }
 }

@@ -99,6 +99,14 @@ pub enum CompareError {
         /// The fraction that was asked for.
         minimum: f64,
     },
+    /// No vertex has a counterpart to measure against.
+    #[error(
+        "no point of the mesh lies over the reference within {limit_mm:.2} mm: align the two first, or raise the limit"
+    )]
+    NothingWithin {
+        /// The distance limit.
+        limit_mm: f64,
+    },
     /// One surface faces inward.
     #[error(
         "the surfaces lie on each other but face opposite ways ({:.0} % of the points): reverse the triangles of one of them",
