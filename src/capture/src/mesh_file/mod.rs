@@ -1,9 +1,12 @@
-//! Meshes out, as OBJ (text, read by everything) and PLY (binary, small).
+//! Meshes in ([`read`]), and out as OBJ (text, read by everything), PLY (binary, small), STL and glTF.
 //!
 //! Vertex colours go out sRGB-encoded: viewers and modellers show or decode them as such.
 
+pub mod gltf;
 mod obj;
 mod ply;
+pub mod read;
+pub mod stl;
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -129,3 +132,6 @@ fn write_all<T: Sync>(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod test_mesh;

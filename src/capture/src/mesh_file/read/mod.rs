@@ -1,0 +1,113 @@
+//! Reads a scan: OBJ, PLY or STL, told apart by what the file contains.
+
+mod clean;
+mod error;
+mod obj;
+mod ply;
+mod sniff;
+mod stl;
+
+use std::path::Path;
+
+use firstbounce_core::Mesh;
+
+pub use error::{MeshError, MeshProblem, MeshWarning};
+pub use sniff::MeshFormat;
+
+/// What one unit of a file's coordinates is. No mesh format but glTF says so itself: the person must.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LengthScale {
+    /// 1 mm.
+    #[default]
+    Millimetre,
+    /// 10 mm.
+    Centimetre,
+    /// 1000 mm.
+    Metre,
+    /// 25.4 mm.
+    Inch,
+}
+
+impl LengthScale {
+    /// The length of one unit.
+    pub fn millimetres(self) -> f64 {
+        match self {
+            Self::Millimetre => 1.0,
+            Self::Centimetre => 10.0,
+            Self::Metre => 1000.0,
+            Self::Inch => 25.4,
+        }
+    }
+}
+
+/// A mesh that was read, in mm, welded: one vertex for each position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// The surface; with unit normals for all vertices.
+    pub mesh: Mesh,
+    /// What the file is.
+    pub format: MeshFormat,
+    /// What was put right, or is odd; each one a line by `Display`.
+    pub warnings: Vec<MeshWarning>,
+}
+
+/// Reads an OBJ, PLY (text or binary) or STL (text or binary) file whose lengths are in `scale`.
+///
+/// Polygons are split into triangles from their first corner, vertices at one position are joined, colours become
+/// linear, and normals that the file lacks are computed.
+///
+/// # Errors
+/// The file's path with one line that says what is wrong: not readable, none of these formats, cut off, without a
+/// surface, with coordinates that are no numbers, or with triangles whose vertices do not exist.
+pub fn read_mesh(path: &Path, scale: LengthScale) -> Result<MeshFile, MeshError> {
+    let at_path = |problem| MeshError { path: path.to_owned(), problem };
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if path.is_dir() {
+        return Err(at_path(MeshProblem::Directory));
+    }
+    let bytes =
+        std::fs::read(path).map_err(|source| at_path(MeshProblem::Unreadable { reason: source.to_string() }))?;
+    mesh_from_bytes(&bytes, &extension, scale).map_err(at_path)
+}
+
+/// Reads a mesh from the contents of a file; `extension` (lower case, no dot) is only compared with what they are.
+fn mesh_from_bytes(bytes: &[u8], extension: &str, scale: LengthScale) -> Result<MeshFile, MeshProblem> {
+    let format = sniff::sniff(bytes, extension)?;
+    let raw = match format {
+        MeshFormat::Obj => obj::parse(bytes)?,
+        MeshFormat::Ply => ply::parse(bytes)?,
+        MeshFormat::StlText => stl::parse_text(bytes)?,
+        MeshFormat::StlBinary => stl::parse_binary(bytes)?,
+    };
+    let (mesh, mut warnings) = clean::clean(raw, scale)?;
+    if !extension.is_empty() && extension != format.extension() {
+        warnings.insert(0, MeshWarning::WrongExtension { extension: extension.to_owned(), format });
+    }
+    Ok(MeshFile { mesh, format, warnings })
+}
+
+/// What a format's own reader hands over: in the file's unit, nothing checked or joined yet.
+#[derive(Debug, Default)]
+struct RawMesh {
+    positions: Vec<[f64; 3]>,
+    /// Per vertex, not necessarily of unit length, or empty.
+    normals: Vec<[f32; 3]>,
+    /// Linear, per vertex, or empty.
+    colours: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// Faces of more than three corners that became several of `triangles`.
+    polygons: usize,
+}
+
+impl RawMesh {
+    /// Adds a face as a fan of triangles from its first corner. Fewer than three corners are no surface.
+    fn add_face(&mut self, corners: &[u32]) {
+        if let [first, rest @ ..] = corners {
+            self.triangles.extend(rest.windows(2).map(|edge| [*first, edge[0], edge[1]]));
+        }
+        self.polygons += usize::from(corners.len() > 3);
+    }
+}
+
+#[cfg(test)]
+mod tests;

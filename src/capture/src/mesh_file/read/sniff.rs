@@ -1,0 +1,94 @@
+//! Tells mesh files apart by what they contain.
+
+use super::MeshProblem;
+
+/// Length of a binary STL without its triangles, and of one triangle.
+pub(super) const STL_HEADER: usize = 84;
+pub(super) const STL_TRIANGLE: usize = 50;
+
+/// A format that can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// Stanford PLY, text or binary.
+    Ply,
+    /// STL in words.
+    StlText,
+    /// STL in numbers.
+    StlBinary,
+}
+
+impl MeshFormat {
+    /// The extension that such a file should have.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Ply => "ply",
+            Self::StlText | Self::StlBinary => "stl",
+        }
+    }
+}
+
+impl std::fmt::Display for MeshFormat {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Obj => "OBJ",
+            Self::Ply => "PLY",
+            Self::StlText => "STL (text)",
+            Self::StlBinary => "STL (binary)",
+        })
+    }
+}
+
+/// Files that people pick by mistake.
+const STRANGERS: [(&[u8], &str); 8] = [
+    (b"glTF", "a glTF file"),
+    (b"\x89PNG", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"II*\0", "a TIFF picture"),
+    (b"MM\0*", "a TIFF picture"),
+    (b"\x76\x2f\x31\x01", "an EXR picture"),
+    (b"PK\x03\x04", "an archive (3MF, or zip: unpack it first)"),
+    (b"Kaydara FBX", "an FBX file"),
+];
+
+/// What the file is; the extension decides only where a cut-off binary STL could be anything.
+pub(super) fn sniff(bytes: &[u8], extension: &str) -> Result<MeshFormat, MeshProblem> {
+    if bytes.is_empty() {
+        return Err(MeshProblem::EmptyFile);
+    }
+    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+        return Ok(MeshFormat::Ply);
+    }
+    // Many binary STL files begin with "solid" too, so their length is asked first.
+    if stl_triangles(bytes).is_some_and(|count| bytes.len() == STL_HEADER + count * STL_TRIANGLE) {
+        return Ok(MeshFormat::StlBinary);
+    }
+    let start = &bytes[..bytes.len().min(4096)];
+    // Comments may be in any encoding, but no text holds a zero byte.
+    let is_text = !start.contains(&0);
+    if is_text && start.trim_ascii_start().starts_with(b"solid") {
+        return Ok(MeshFormat::StlText);
+    }
+    if let Some((_, looks_like)) = STRANGERS.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+        return Err(MeshProblem::UnknownFormat { looks_like });
+    }
+    if is_text {
+        let is_obj_line = |line: &[u8]| line.starts_with(b"v ") || line.starts_with(b"v\t") || line.starts_with(b"f ");
+        return match bytes.split(|&byte| byte == b'\n').any(|line| is_obj_line(line.trim_ascii_start())) {
+            true => Ok(MeshFormat::Obj),
+            false => Err(MeshProblem::UnknownFormat { looks_like: "a text without any vertex" }),
+        };
+    }
+    match extension {
+        "stl" => Ok(MeshFormat::StlBinary),
+        _ => Err(MeshProblem::UnknownFormat { looks_like: "none of the mesh formats that can be read" }),
+    }
+}
+
+/// The number of triangles that a binary STL of these bytes would have.
+pub(super) fn stl_triangles(bytes: &[u8]) -> Option<usize> {
+    let count = bytes.get(STL_HEADER - 4..STL_HEADER)?.first_chunk()?;
+    usize::try_from(u32::from_le_bytes(*count)).ok()
+}

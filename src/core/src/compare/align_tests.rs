@@ -1,0 +1,183 @@
+//! Alignment on surfaces whose true motion is known.
+
+use nalgebra::{Isometry3, Point3, Vector3, vector};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+use super::test_meshes::{bumps, cut, moved, relief, with_noise};
+use super::*;
+use crate::{Unwatched, Watch};
+
+/// A turn by `degrees` about `axis` through the middle of the object, then a shift.
+fn motion(axis: [f64; 3], degrees: f64, shift_mm: [f64; 3]) -> Isometry3<f64> {
+    Isometry3::new(Vector3::from(shift_mm), Vector3::from(axis).normalize() * degrees.to_radians())
+}
+
+/// Ten degrees and five millimetres.
+fn ten_and_five() -> Isometry3<f64> {
+    motion([1.0, 2.0, -0.7], 10.0, [3.0, -2.6, 3.04])
+}
+
+/// The largest displacement of a vertex that `found` leaves after `made`, and the turn, in mm and degrees.
+fn left_over(mesh: &Mesh, made: &Isometry3<f64>, found: &Isometry3<f64>) -> (f64, f64) {
+    let rest = found * made;
+    let displacement = |p: &Point3<f32>| (rest * p.cast::<f64>() - p.cast::<f64>()).norm();
+    (mesh.positions.iter().map(displacement).fold(0.0, f64::max), rest.rotation.angle().to_degrees())
+}
+
+#[test]
+fn a_copy_moved_by_ten_degrees_and_five_mm_comes_back() {
+    let fixed = relief(160, 0.5, bumps);
+    let made = ten_and_five();
+    let moving = moved(&fixed, &made);
+    let found = align(&moving, &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+    let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
+    println!("moved copy: {mm:.6} mm, {degrees:.6} degrees, {} iterations", found.iterations.len());
+    assert!(mm < 0.01 && degrees < 0.01, "{mm} mm, {degrees} degrees");
+    assert!(found.converged && !found.searched && found.free.is_empty(), "{found:?}");
+
+    let measured = distances(&moving, &fixed, &found.moving_to_fixed, &DistanceOptions::default(), &Unwatched).unwrap();
+    assert!(measured.max_mm < 0.01 && measured.orientation_error_deg < 0.1, "{measured:?}");
+    assert!((measured.rotation_deg - 10.0).abs() < 0.01);
+    assert!((measured.translation_mm - made.inverse().translation.vector).norm() < 0.01);
+    assert!(measured.overlap > 0.99);
+}
+
+#[test]
+fn the_same_surface_in_other_triangles_comes_back() {
+    let fixed = relief(160, 0.5, bumps);
+    let made = ten_and_five();
+    let found = align(&moved(&relief(170, 0.37, bumps), &made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+    let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
+    println!("other triangles: {mm:.6} mm, {degrees:.6} degrees");
+    assert!(mm < 0.01 && degrees < 0.01, "{mm} mm, {degrees} degrees");
+}
+
+#[test]
+fn a_noisy_copy_with_a_third_cut_away_comes_back() {
+    let fixed = relief(160, 0.5, bumps);
+    let made = ten_and_five();
+    // The cut takes away 30 % of the copy; in turn the reference lacks a corner that the copy has.
+    let copy = cut(with_noise(moved(&fixed, &made), 0.05, 7), |p| p.x < 16.0);
+    let reference = cut(with_noise(fixed.clone(), 0.05, 8), |p| p.x + p.y > -50.0);
+    let found = align(&copy, &reference, &AlignOptions::default(), &Unwatched).unwrap();
+    let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
+    println!("noisy cut copy: {mm:.4} mm, {degrees:.4} degrees, rms {:.4} mm", found.rms_mm);
+    assert!(mm < 0.05, "{mm} mm, {degrees} degrees");
+    assert!(found.overlap > 0.8 && found.overlap < 0.99, "{}", found.overlap);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 8, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
+    #[test]
+    fn any_ten_degrees_and_five_mm_come_back(
+        axis in prop::array::uniform3(-1.0..1.0f64), shift in prop::array::uniform3(-1.0..1.0f64),
+    ) {
+        prop_assume!(Vector3::from(axis).norm() > 0.1 && Vector3::from(shift).norm() > 0.1);
+        let shift_mm: [f64; 3] = (Vector3::from(shift).normalize() * 5.0).into();
+        let fixed = relief(100, 0.8, bumps);
+        let made = motion(axis, 10.0, shift_mm);
+        let found = align(&moved(&fixed, &made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+        let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
+        prop_assert!(!found.searched && mm < 0.01 && degrees < 0.01, "{} mm, {} degrees", mm, degrees);
+    }
+}
+
+#[test]
+fn a_large_turn_is_found_by_search_and_by_picked_pairs() {
+    let fixed = relief(120, 0.7, bumps);
+    let made = motion([0.2, 0.3, 1.0], 45.0, [30.0, -80.0, 400.0]);
+    let moving = moved(&fixed, &made);
+    let found = align(&moving, &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+    let (mm, _) = left_over(&fixed, &made, &found.moving_to_fixed);
+    assert!(found.searched && mm < 0.01, "{mm} mm");
+
+    let picks = [10usize, 110, 121 * 100 + 40].map(|vertex| {
+        let pick = fixed.positions[vertex].cast::<f64>();
+        // A hand misses by a millimetre or two.
+        (made * pick + vector![1.0, -1.0, 0.5], pick)
+    });
+    let options = AlignOptions { start: Start::Pairs(picks.to_vec()), search: false, ..AlignOptions::default() };
+    let found = align(&moving, &fixed, &options, &Unwatched).unwrap();
+    let (mm, _) = left_over(&fixed, &made, &found.moving_to_fixed);
+    assert!(!found.searched && mm < 0.01, "{mm} mm");
+}
+
+#[test]
+fn coordinates_of_a_kilometre_cost_no_more_than_their_f32_step() {
+    let far = Isometry3::translation(1e6, -1e6, 1e6);
+    let fixed = moved(&relief(100, 0.8, bumps), &far);
+    let made = far * ten_and_five() * far.inverse();
+    let found = align(&moved(&fixed, &made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+    let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
+    assert!(mm < 0.0625 && degrees < 0.02, "{mm} mm, {degrees} degrees: an f32 step at 1e6 is 0.0625");
+}
+
+#[test]
+fn scans_of_two_sides_do_not_overlap() {
+    let front = relief(80, 0.5, bumps);
+    let elsewhere = moved(&relief(80, 0.5, |x, y| bumps(y + 300.0, 70.0 - x)), &Isometry3::translation(0.0, 90.0, 0.0));
+    for search in [false, true] {
+        let options = AlignOptions { search, ..AlignOptions::default() };
+        match align(&elsewhere, &front, &options, &Unwatched) {
+            Err(CompareError::NoOverlap { overlap, .. }) => assert!(overlap < 0.01, "{overlap}"),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_plane_slides_and_a_sphere_turns() {
+    let identity_only = AlignOptions { search: false, ..AlignOptions::default() };
+    let plane = relief(60, 1.0, |_, _| 0.0);
+    let tilted = moved(&plane, &motion([1.0, 0.0, 0.0], 2.0, [0.0, 0.0, 1.0]));
+    let found = align(&tilted, &plane, &identity_only, &Unwatched).unwrap();
+    assert_eq!(found.free.len(), 3, "two slides and a turn about the normal: {:?}", found.free);
+    assert!(found.condition > 1e3);
+
+    let groove = relief(60, 1.0, |x, _| x.abs());
+    let found = align(&groove, &groove, &identity_only, &Unwatched).unwrap();
+    assert_eq!(found.free.iter().map(FreeMotion::to_string).collect::<Vec<_>>(), ["alignment is free along y"]);
+
+    let cap = relief(60, 1.0, |x, y| (50.0f64.powi(2) - x * x - y * y).sqrt());
+    let found = align(&cap, &cap, &identity_only, &Unwatched).unwrap();
+    assert_eq!(found.free.len(), 3, "{:?}", found.free);
+    for free in found.free {
+        let FreeMotion::Turn { axis, through, .. } = free else { panic!("{free}") };
+        let off_centre = through.coords.cross(&axis).norm();
+        assert!(off_centre < 1.0, "every axis goes through the sphere's centre: {off_centre} mm");
+    }
+}
+
+#[test]
+fn an_object_of_revolution_stays_where_the_camera_saw_it() {
+    let bowl = relief(100, 0.8, |x, y| 10.0 * ((x * x + y * y).sqrt() / 8.0).cos());
+    let noisy = with_noise(bowl.clone(), 0.3, 3);
+    let found = align(&noisy, &bowl, &AlignOptions::default(), &Unwatched).unwrap();
+    assert!(!found.searched && found.moving_to_fixed.rotation.angle().to_degrees() < 1.0);
+    assert!(found.free.iter().any(|free| free.to_string().starts_with("alignment is free in turning about z")));
+}
+
+#[test]
+fn what_cannot_be_aligned_says_why() {
+    let fine = relief(20, 1.0, bumps);
+    let run = |moving: &Mesh, options: &AlignOptions| align(moving, &fine, options, &Unwatched).unwrap_err();
+    let pixels = Mesh { unit: LengthUnit::Pixel, ..fine.clone() };
+    let default = AlignOptions::default();
+    assert_eq!(run(&pixels, &default), CompareError::NotInMillimetres { side: Side::Moving });
+    let point = Mesh { positions: vec![Point3::origin(); fine.positions.len()], ..fine.clone() };
+    assert_eq!(run(&point, &default), CompareError::NoExtent { side: Side::Moving });
+    let inside_out = Mesh { triangles: fine.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..fine.clone() };
+    assert!(matches!(run(&inside_out, &default), CompareError::InsideOut { facing_away } if facing_away > 0.9));
+    let bad = AlignOptions { trim: 1.0, ..AlignOptions::default() };
+    assert!(run(&fine, &bad).to_string().contains("trim is 1; it must be 0 to 0.9"));
+
+    struct Impatient;
+    impl Watch for Impatient {
+        fn progress(&self, _: f32) {}
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    assert_eq!(align(&fine, &fine, &default, &Impatient), Err(CompareError::Cancelled));
+}
