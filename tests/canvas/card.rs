@@ -142,9 +142,9 @@ impl Card {
             target.size(),
         );
         self.queue.submit([encoder.finish()]);
-        buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
-        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-        let mapped = buffer.slice(..).get_mapped_range().unwrap();
+        buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.expect("mapped"));
+        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the card answers");
+        let mapped = buffer.slice(..).get_mapped_range().expect("mapped");
         bytemuck::cast_slice::<u8, [f32; 4]>(&mapped).to_vec()
     }
 }
