@@ -7,7 +7,7 @@ use eframe::egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDes
 use eframe::wgpu;
 
 use super::drawing::{Drawing, Placement};
-use super::textures::Wake;
+use super::transfer::Wake;
 use super::{Bound, CanvasGpu, Display, Output, Resolution, Source};
 
 /// Makes canvases draw with this renderer. Once, when the window opens; without it they stay flat.

@@ -5,7 +5,8 @@ use wgpu::util::DeviceExt;
 
 use super::drawing::Drawing;
 use super::shader::{CanvasShader, Output};
-use super::textures::{OnCard, Resolution, Textures, Wake};
+use super::textures::{OnCard, Resolution, Textures};
+use super::transfer::Wake;
 use super::uniforms::Uniforms;
 use super::{ColourMap, MAX_PLANES};
 
@@ -70,13 +71,14 @@ impl CanvasGpu {
         if size.0 == 0 || size.1 == 0 {
             return None;
         }
+        self.textures.begin_drawing();
         let planes: Vec<_> = source.planes.iter().map(|plane| self.textures.plane(plane, wake)).collect();
         let marks = source.marks.as_ref().map(|marks| self.textures.marks(marks, wake));
         let mask = source.mask.as_ref().map(|mask| self.textures.marks(mask, wake));
 
         let all = || planes.iter().chain(&marks).chain(&mask);
         let dropped = all().map(|on_card| on_card.texture.dropped).max()?;
-        let finest = all().map(|on_card| on_card.texture.finest()).collect::<Option<Vec<_>>>()?.into_iter().max()?;
+        let finest = all().map(|on_card| on_card.finest).collect::<Option<Vec<_>>>()?.into_iter().max()?;
         let is_current = all().all(|on_card| on_card.is_current);
         let sampling = drawing.placement.sampling(size, finest);
         let uniforms = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {

@@ -13,6 +13,7 @@ mod pyramid;
 mod shader;
 mod source;
 mod textures;
+mod transfer;
 mod twin;
 mod uniforms;
 
@@ -24,5 +25,6 @@ pub use display::{ColourMap, Display, Encoding, Tint};
 pub use drawing::{Drawing, Placement, Sampling};
 pub use shader::Output;
 pub use source::{CanvasMarks, CanvasPlane, Kind, Layer, MAX_PLANES, PlaneKey, Source, SourceError};
-pub use textures::{Resolution, Wake};
+pub use textures::Resolution;
+pub use transfer::Wake;
 pub use twin::Twin;

@@ -2,24 +2,19 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use eframe::wgpu;
 
-use super::pyramid::{Texel, level_count, level_size, smaller_copies};
+use super::pyramid::{Texel, level_count, level_size};
+use super::transfer::{Transfer, Wake};
 use super::{CanvasMarks, CanvasPlane, PlaneKey};
 
 /// Textures not seen for a while are given up when all of them together are larger than this: eight photos of 24 Mpx.
 const BUDGET_BYTES: u64 = 1 << 30;
 const A_WHILE: Duration = Duration::from_secs(2);
-/// Pictures up to this many pixels go to the card at once, larger ones from a thread of their own.
-const AT_ONCE_PIXELS: usize = 1 << 20;
-/// Pixels handed over in one piece: the window's thread never waits for more than that.
-const PIECE_PIXELS: usize = 1 << 20;
-
-/// Called when there is more to draw.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
+/// Pixels sent to the card in one drawing: the window waits a few milliseconds for them, and never for a whole picture.
+const PIECE_PIXELS: usize = 1 << 21;
 
 /// How much of a picture the card can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,22 +29,27 @@ pub struct Resolution {
 pub struct CardTexture {
     pub view: wgpu::TextureView,
     texture: wgpu::Texture,
-    size: (usize, usize),
+    pub size: (usize, usize),
     /// The picture's level that is mip level 0: more than 0 if the picture is larger than the card's textures.
     pub dropped: u32,
-    /// The finest level that is on the card; `level_count` while there is none.
-    finest: AtomicU32,
 }
 
 impl CardTexture {
-    /// The finest level that can be read; `None` before the first has arrived.
-    pub fn finest(&self) -> Option<u32> {
-        let finest = self.finest.load(Ordering::Acquire);
-        (finest < level_count(self.size)).then_some(finest)
-    }
-
-    fn is_complete(&self) -> bool {
-        self.finest() == Some(self.dropped)
+    /// Writes whole rows of one level; `bytes` is all of that level.
+    pub fn write_rows(&self, queue: &wgpu::Queue, level: u32, first_row: usize, rows: usize, bytes: &[u8]) {
+        let (width, height) = level_size(self.size, level);
+        let bytes_per_row = bytes.len() / height;
+        queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture: &self.texture,
+                mip_level: level - self.dropped,
+                origin: wgpu::Origin3d { x: 0, y: first_row as u32, z: 0 },
+                aspect: wgpu::TextureAspect::All,
+            },
+            &bytes[first_row * bytes_per_row..][..rows * bytes_per_row],
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(bytes_per_row as u32), rows_per_image: None },
+            wgpu::Extent3d { width: width as u32, height: rows as u32, depth_or_array_layers: 1 },
+        );
     }
 
     fn bytes(&self) -> u64 {
@@ -58,32 +58,56 @@ impl CardTexture {
     }
 }
 
+/// A texture to draw with.
+pub struct OnCard {
+    pub texture: Arc<CardTexture>,
+    /// The finest level that can be read; `None` before the first has arrived.
+    pub finest: Option<u32>,
+    /// Whether these are the numbers asked for, and not the ones before.
+    pub is_current: bool,
+}
+
+/// A version of a picture, on the card or on its way.
+struct Version {
+    number: u64,
+    texture: Arc<CardTexture>,
+    transfer: Transfer,
+}
+
+impl Version {
+    fn is_complete(&self) -> bool {
+        self.transfer.finest == self.texture.dropped
+    }
+
+    fn on_card(&self, wanted: u64) -> OnCard {
+        let finest = Some(self.transfer.finest).filter(|&finest| finest < level_count(self.texture.size));
+        OnCard { texture: self.texture.clone(), finest, is_current: self.number == wanted }
+    }
+}
+
 struct Entry {
-    version: u64,
-    shown: Arc<CardTexture>,
+    shown: Version,
     /// The next version, until it is complete.
-    coming: Option<(u64, Arc<CardTexture>)>,
+    coming: Option<Version>,
     last_used: Instant,
 }
 
 impl Entry {
-    /// What to draw for `version`; `None` if its upload has to begin. While another version is on its way nothing is begun, so
-    /// that a fast change of numbers skips versions instead of queueing them.
-    fn shown_for(&mut self, version: u64) -> Option<OnCard> {
+    /// Sends more of what is on its way, and shows the next version when it is complete.
+    fn advance(&mut self, queue: &wgpu::Queue, allowance: &mut usize) {
         self.last_used = Instant::now();
-        if let Some((version, coming)) = self.coming.take_if(|(_, coming)| coming.is_complete()) {
-            (self.version, self.shown) = (version, coming);
+        let sent = self.coming.as_mut().unwrap_or(&mut self.shown);
+        sent.transfer.send(queue, &sent.texture, allowance);
+        if let Some(complete) = self.coming.take_if(|coming| coming.is_complete()) {
+            self.shown = complete;
         }
-        let is_current = self.version == version;
-        (is_current || self.coming.is_some()).then(|| OnCard { texture: self.shown.clone(), is_current })
     }
-}
 
-/// A texture to draw with.
-pub struct OnCard {
-    pub texture: Arc<CardTexture>,
-    /// Whether these are the numbers asked for, and not the ones before.
-    pub is_current: bool,
+    /// Whether the upload of `version` has to wait or is not needed. While another version is on its way nothing is begun, so
+    /// that a fast change of numbers skips versions instead of queueing them.
+    fn serves(&self, version: u64) -> bool {
+        self.shown.number == version || self.coming.is_some()
+    }
 }
 
 /// All textures of planes and marks, by the id of their keys.
@@ -91,13 +115,15 @@ pub struct Textures {
     device: wgpu::Device,
     queue: wgpu::Queue,
     max_side: usize,
+    /// Pixels that this drawing may still send.
+    allowance: usize,
     entries: HashMap<u64, Entry>,
 }
 
 impl Textures {
     /// None yet. `max_side` is the largest width or height of a texture, in pixels.
     pub fn new(device: wgpu::Device, queue: wgpu::Queue, max_side: usize) -> Self {
-        Self { device, queue, max_side, entries: HashMap::new() }
+        Self { device, queue, max_side, allowance: PIECE_PIXELS, entries: HashMap::new() }
     }
 
     /// The texture of a plane, its upload begun if the card does not have this version.
@@ -112,6 +138,11 @@ impl Textures {
         self.texture(marks.key, marks.size, format, marks.marks.clone(), |marks| marks.as_slice(), wake)
     }
 
+    /// Allows the transfers of one drawing.
+    pub fn begin_drawing(&mut self) {
+        self.allowance = PIECE_PIXELS;
+    }
+
     fn texture<T: Texel, P: Send + Sync + 'static>(
         &mut self,
         key: PlaneKey,
@@ -121,28 +152,25 @@ impl Textures {
         texels: fn(&P) -> &[T],
         wake: &Wake,
     ) -> OnCard {
-        let known = self.entries.get_mut(&key.id).filter(|entry| entry.shown.size == size);
-        if let Some(shown) = known.and_then(|entry| entry.shown_for(key.version)) {
-            return shown;
-        }
-        let new = self.create(size, format);
-        let fresh = Entry { version: key.version, shown: new.clone(), coming: None, last_used: Instant::now() };
-        let entry = if size.0 * size.1 <= AT_ONCE_PIXELS {
-            upload(&self.queue, &new, texels(&picture), || ());
-            fresh
-        } else {
-            let (queue, texture, wake) = (self.queue.clone(), new.clone(), wake.clone());
-            std::thread::spawn(move || upload(&queue, &texture, texels(&picture), || wake()));
-            // The old numbers stay on screen until the new ones are complete.
-            match self.entries.remove(&key.id).filter(|entry| entry.shown.size == size) {
-                Some(old) => Entry { coming: Some((key.version, new)), ..old },
-                None => fresh,
+        let entry = self.entries.get_mut(&key.id).filter(|entry| entry.shown.texture.size == size);
+        if let Some(entry) = entry {
+            entry.advance(&self.queue, &mut self.allowance);
+            if entry.serves(key.version) {
+                return entry.shown.on_card(key.version);
             }
+        }
+        let transfer = Transfer::begin(size, picture, texels, wake);
+        let new = Version { number: key.version, texture: self.create(size, format), transfer };
+        // The old numbers stay on screen until the new ones are complete.
+        let mut entry = match self.entries.remove(&key.id).filter(|entry| entry.shown.texture.size == size) {
+            Some(old) => Entry { coming: Some(new), ..old },
+            None => Entry { shown: new, coming: None, last_used: Instant::now() },
         };
-        let shown = OnCard { texture: entry.shown.clone(), is_current: entry.version == key.version };
+        entry.advance(&self.queue, &mut self.allowance);
+        let on_card = entry.shown.on_card(key.version);
         self.entries.insert(key.id, entry);
         self.forget_unused();
-        shown
+        on_card
     }
 
     fn create(&self, size: (usize, usize), format: wgpu::TextureFormat) -> Arc<CardTexture> {
@@ -164,12 +192,12 @@ impl Textures {
             view_formats: &[],
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        Arc::new(CardTexture { view, texture, size, dropped, finest: AtomicU32::new(levels) })
+        Arc::new(CardTexture { view, texture, size, dropped })
     }
 
     /// Gives up what was not drawn for a while, the longest unseen first, until the rest fits the budget.
     fn forget_unused(&mut self) {
-        let mut bytes: u64 = self.entries.values().map(|entry| entry.shown.bytes()).sum();
+        let mut bytes: u64 = self.entries.values().map(|entry| entry.shown.texture.bytes()).sum();
         let mut unused: Vec<(Instant, u64)> = self
             .entries
             .iter()
@@ -181,45 +209,7 @@ impl Textures {
             if bytes <= BUDGET_BYTES {
                 return;
             }
-            bytes -= self.entries.remove(&id).map_or(0, |entry| entry.shown.bytes());
+            bytes -= self.entries.remove(&id).map_or(0, |entry| entry.shown.texture.bytes());
         }
-    }
-}
-
-/// Sends the copies to the card, the smallest first, so that something can be seen at once; `arrived` is called after each.
-fn upload<T: Texel>(queue: &wgpu::Queue, texture: &CardTexture, texels: &[T], arrived: impl Fn()) {
-    let copies = smaller_copies(texture.size, texels);
-    for level in (texture.dropped..level_count(texture.size)).rev() {
-        let copy = if level == 0 { texels } else { &copies[level as usize - 1] };
-        upload_level(queue, texture, level, copy);
-        texture.finest.store(level, Ordering::Release);
-        arrived();
-    }
-}
-
-fn upload_level<T: Texel>(queue: &wgpu::Queue, texture: &CardTexture, level: u32, texels: &[T]) {
-    let (width, height) = level_size(texture.size, level);
-    let rows = (PIECE_PIXELS / width).max(1);
-    for (piece, texels) in texels.chunks(rows * width).enumerate() {
-        let first_row = piece * rows;
-        queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &texture.texture,
-                mip_level: level - texture.dropped,
-                origin: wgpu::Origin3d { x: 0, y: first_row as u32, z: 0 },
-                aspect: wgpu::TextureAspect::All,
-            },
-            bytemuck::cast_slice(texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some((width * size_of::<T>()) as u32),
-                rows_per_image: None,
-            },
-            wgpu::Extent3d {
-                width: width as u32,
-                height: rows.min(height - first_row) as u32,
-                depth_or_array_layers: 1,
-            },
-        );
     }
 }

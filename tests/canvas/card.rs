@@ -1,6 +1,6 @@
 //! The graphics card of the tests, and drawing into memory with it.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuSetup, WgpuSetupExisting};
 use eframe::wgpu;
@@ -14,8 +14,8 @@ pub struct Card {
     device: wgpu::Device,
     queue: wgpu::Queue,
     /// Shared, because making a pipeline takes longer than a drawing.
-    colours: Mutex<CanvasGpu>,
-    values: Mutex<CanvasGpu>,
+    colours: OnceLock<Mutex<CanvasGpu>>,
+    values: OnceLock<Mutex<CanvasGpu>>,
 }
 
 /// The one device of all tests; `None`, with a line that names the test, on a machine without an adapter.
@@ -26,14 +26,23 @@ pub fn card(test: &str) -> Option<&'static Card> {
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
         let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).ok()?;
-        let canvas = |output| Mutex::new(CanvasGpu::new(device.clone(), queue.clone(), TARGET, output));
-        let (colours, values) = (canvas(Output::Colours), canvas(Output::Values));
-        Some(Card { instance, adapter, device, queue, colours, values })
+        Some(Card { instance, adapter, device, queue, colours: OnceLock::new(), values: OnceLock::new() })
     });
     if card.is_none() {
         println!("{test}: skipped: no wgpu adapter");
     }
     card.as_ref()
+}
+
+/// The same, if it can draw floats: OpenGL often cannot.
+pub fn float_card(test: &str) -> Option<&'static Card> {
+    let card = card(test)?;
+    let usages = card.adapter.get_texture_format_features(TARGET).allowed_usages;
+    if !usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+        println!("{test}: skipped: no wgpu adapter that draws floats");
+        return None;
+    }
+    Some(card)
 }
 
 impl Card {
@@ -50,17 +59,13 @@ impl Card {
 
     /// Draws into a float target of `width * height` pixels and reads it back. `width` must be a multiple of 16.
     pub fn draw(&self, drawing: &Drawing<'_>, output: Output, size: (u32, u32)) -> Vec<[f32; 4]> {
-        let canvas = match output {
-            Output::Colours => &self.colours,
-            Output::Values => &self.values,
-        };
-        let mut canvas = canvas.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut canvas = self.canvas(output);
         self.draw_with(&mut canvas, drawing, size).0
     }
 
     /// Draws again and again while the picture is on its way to the card: every drawing, the last one complete.
     pub fn draw_until_loaded(&self, drawing: &Drawing<'_>, size: (u32, u32)) -> Vec<(Vec<[f32; 4]>, Resolution)> {
-        let mut canvas = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut canvas = self.canvas(Output::Values);
         let mut drawn: Vec<(Vec<[f32; 4]>, Resolution)> = Vec::new();
         while drawn.last().is_none_or(|(_, resolution)| resolution.loading) {
             match self.bind(&mut canvas, drawing) {
@@ -81,6 +86,15 @@ impl Card {
         let (device, queue) = (self.device.clone(), self.queue.clone());
         let mut canvas = CanvasGpu::with_max_side(device, queue, TARGET, Output::Values, max_side);
         self.draw_with(&mut canvas, drawing, size)
+    }
+
+    fn canvas(&self, output: Output) -> MutexGuard<'_, CanvasGpu> {
+        let made = match output {
+            Output::Colours => &self.colours,
+            Output::Values => &self.values,
+        };
+        let make = || Mutex::new(CanvasGpu::new(self.device.clone(), self.queue.clone(), TARGET, output));
+        made.get_or_init(make).lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn bind(&self, canvas: &mut CanvasGpu, drawing: &Drawing<'_>) -> Option<Bound> {
@@ -142,9 +156,9 @@ impl Card {
             target.size(),
         );
         self.queue.submit([encoder.finish()]);
-        buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
-        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-        let mapped = buffer.slice(..).get_mapped_range().unwrap();
+        buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.expect("mapped"));
+        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the card answers");
+        let mapped = buffer.slice(..).get_mapped_range().expect("mapped");
         bytemuck::cast_slice::<u8, [f32; 4]>(&mapped).to_vec()
     }
 }

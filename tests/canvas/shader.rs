@@ -7,7 +7,7 @@ use firstbounce::gpu::{
 };
 use firstbounce_core::{Mask, Plane, photo};
 
-use crate::card::card;
+use crate::card::float_card;
 
 const SIZE: (usize, usize) = (90, 61);
 const TARGET: (u32, u32) = (160, 120);
@@ -36,7 +36,7 @@ fn value(plane: CanvasPlane) -> Source {
 
 /// Compares colours to 1/255 and numbers to 1e-3 at every pixel of the target, for every placement.
 fn hold_together(test: &str, source: &Source, display: &Display) {
-    let Some(card) = card(test) else { return };
+    let Some(card) = float_card(test) else { return };
     for placement in PLACEMENTS {
         let drawing = Drawing { source, display, placement, background: BACKGROUND };
         let twin = Twin::new(drawing);
@@ -107,7 +107,7 @@ fn bounce_planes_are_what_the_operator_says() {
     hold_together("bounce 1", &bounce(0), &Display::default());
     hold_together("bounce 2", &bounce(1), &Display::default());
 
-    let Some(card) = card("bounce planes") else { return };
+    let Some(card) = float_card("bounce planes") else { return };
     let placement = Placement { origin_px: [0.0, 0.0], scale: 1.0 };
     for (row, truth) in [first, second].iter().enumerate() {
         let (source, display) = (bounce(row), Display::default());
@@ -157,7 +157,7 @@ fn normals_and_pixels_without_a_value() {
 
 #[test]
 fn a_picture_larger_than_the_textures_is_shown_at_a_stated_resolution() {
-    let Some(card) = card("larger than the textures") else { return };
+    let Some(card) = float_card("larger than the textures") else { return };
     let (source, display) = (value(light(30)), Display::default());
     let placement = Placement { origin_px: [0.0, 0.0], scale: 0.5 };
     let drawing = Drawing { source: &source, display: &display, placement, background: BACKGROUND };
@@ -169,7 +169,7 @@ fn a_picture_larger_than_the_textures_is_shown_at_a_stated_resolution() {
 
 #[test]
 fn the_old_numbers_of_a_large_picture_stay_until_the_new_ones_are_complete() {
-    let Some(card) = card("a large picture") else { return };
+    let Some(card) = float_card("a large picture") else { return };
     let filled = |value: f32| Arc::new(Plane::filled(1400, 1000, value));
     let old = CanvasPlane::new(filled(0.25));
     let new = CanvasPlane { key: old.key.next_version(), plane: filled(0.75) };
@@ -189,7 +189,7 @@ fn the_old_numbers_of_a_large_picture_stay_until_the_new_ones_are_complete() {
 
 #[test]
 fn a_whole_pixel_has_the_colour_that_the_card_gives_it() {
-    let Some(card) = card("a whole pixel") else { return };
+    let Some(card) = float_card("a whole pixel") else { return };
     let (source, display) = (value(light(31)), Display { map: ColourMap::Viridis, ..Display::default() });
     let placement = Placement { origin_px: [0.0, 0.0], scale: 1.0 };
     let drawing = Drawing { source: &source, display: &display, placement, background: [0.0; 3] };

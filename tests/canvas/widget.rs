@@ -67,8 +67,12 @@ impl Window {
         self.shows_other = shown.shows_other;
     }
 
+    fn transform(&self) -> Transform {
+        self.transform.expect("the window was shown")
+    }
+
     fn scale(&self) -> f32 {
-        self.transform.unwrap().scale()
+        self.transform().scale()
     }
 }
 
@@ -95,7 +99,7 @@ fn press(harness: &mut Harness<'_, Window>, modifiers: Modifiers, key: Key) {
 }
 
 fn screen_of(harness: &Harness<'_, Window>, image_px: [f64; 2]) -> Pos2 {
-    harness.state().transform.unwrap().to_screen(image_px)
+    harness.state().transform().to_screen(image_px)
 }
 
 fn button(harness: &mut Harness<'_, Window>, pos: Pos2, pressed: bool) {
@@ -257,7 +261,7 @@ fn the_window_shows_what_the_twin_computes_on_both_sides_of_the_wipe() {
         let picture = harness.render().unwrap();
 
         let window = harness.state();
-        let transform = window.transform.unwrap();
+        let transform = window.transform();
         let rect = transform.rect;
         let line = density * (rect.left() + 0.4 * rect.width());
         let seen = transform.image_rect().shrink(2.0);
@@ -303,7 +307,7 @@ fn a_canvas_half_out_of_sight_keeps_its_picture_in_place() {
     harness.run();
     let picture = harness.render().unwrap();
     let window = harness.state();
-    let transform = window.transform.unwrap();
+    let transform = window.transform();
     assert!(transform.rect.top() < 0.0 && transform.rect.bottom() > 400.0);
     let (source, display) = (&window.sources[0], &window.displays[0]);
     let placement = transform.placement();
