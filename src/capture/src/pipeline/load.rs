@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use super::{PipelineError, PipelineWatch, Stage};
 use crate::image_file::{
-    Corrections, DarkFrame, FlatField, ImageError, ImageFile, LinearLight, LinearOptions, dark_frame, flat_field,
-    linearise, linearise_files, read_image, read_mask,
+    Corrections, DarkFrame, FlatField, ImageError, ImageFile, ImageWarning, LinearLight, LinearOptions, dark_frame,
+    flat_field, linearise, linearise_files, read_image, read_mask,
 };
 use crate::set::{CaptureSet, Channel, Shot, Subject};
 
@@ -125,18 +125,36 @@ pub fn load_subject(
         .collect::<Result<_, PipelineError>>()?;
 
     let mut photos = SubjectPhotos { shots: IndexMap::new(), warnings: Vec::new() };
+    let mut file_warnings = Vec::new();
     for (shot, linear) in loaded.into_iter().flatten() {
-        for warning in linear.warnings.iter().map(ToString::to_string) {
-            if !photos.warnings.contains(&warning) {
-                photos.warnings.push(warning);
-            }
-        }
+        // Where the file says what encoding a shot has, nobody needs to guess.
+        let asks =
+            |warning: &ImageWarning| !matches!(warning, ImageWarning::ProbablySrgb { .. } if shot.encoding.is_some());
+        file_warnings.extend(linear.warnings.iter().filter(|warning| asks(warning)).cloned());
         let light = shot.light.as_deref().and_then(|name| set.light_index(name)).unwrap_or_default();
         let colour = shot.colour.as_deref().and_then(|name| set.colour_index(name));
         photos.shots.insert((light, colour), linear);
     }
+    photos.warnings = in_few_words(&file_warnings);
     check_sizes(set, subject, &photos)?;
     Ok(photos)
+}
+
+/// One line for each kind of warning, with its first file and how many more there are.
+fn in_few_words(warnings: &[ImageWarning]) -> Vec<String> {
+    let mut kinds: IndexMap<_, Vec<&ImageWarning>> = IndexMap::new();
+    for warning in warnings {
+        let same = kinds.entry(std::mem::discriminant(warning)).or_default();
+        if !same.contains(&warning) {
+            same.push(warning);
+        }
+    }
+    let words = kinds.values().map(|same| match same.as_slice() {
+        [only] => only.to_string(),
+        [first, more @ ..] => format!("{first} (and {} more such files)", more.len()),
+        [] => String::new(),
+    });
+    words.collect()
 }
 
 fn check_sizes(set: &CaptureSet, subject: Subject, photos: &SubjectPhotos) -> Result<(), PipelineError> {

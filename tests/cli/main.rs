@@ -1,0 +1,10 @@
+//! The command line on real files.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+mod bad_input;
+mod calibrate;
+mod run;
+mod shared_sets;
+mod solve;
+mod tiny_set;

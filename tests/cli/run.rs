@@ -1,0 +1,40 @@
+//! Runs the program as a person would.
+
+use std::ffi::OsStr;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// What a run printed, and its exit code.
+pub struct Ran {
+    pub code: i32,
+    pub out: String,
+    pub err: String,
+}
+
+/// Runs `firstbounce` with these arguments in the folder `place`.
+pub fn firstbounce<I: AsRef<OsStr>>(place: &Path, arguments: impl IntoIterator<Item = I>) -> Ran {
+    let program = Path::new(env!("CARGO_BIN_EXE_firstbounce"));
+    let Output { status, stdout, stderr } =
+        Command::new(program).args(arguments).current_dir(place).output().expect("the program starts");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program prints UTF-8");
+    Ran { code: status.code().expect("the program ends by itself"), out: text(stdout), err: text(stderr) }
+}
+
+impl Ran {
+    /// The JSON object that was printed.
+    pub fn json(&self) -> Value {
+        assert_eq!(self.code, 0, "{}", self.err);
+        serde_json::from_str(&self.out).expect("one JSON object")
+    }
+
+    /// The one line that says why it failed.
+    pub fn failure(&self) -> &str {
+        assert_eq!(self.code, 1, "{}{}", self.out, self.err);
+        let lines: Vec<_> = self.err.lines().filter(|line| !line.starts_with("warning: ")).collect();
+        assert_eq!(lines.len(), 1, "one line, not {lines:?}");
+        assert!(lines[0].starts_with("firstbounce: "), "{}", lines[0]);
+        lines[0]
+    }
+}
