@@ -65,13 +65,15 @@ fn a_photo_of_another_size() {
 
 #[test]
 fn a_light_with_a_colour_missing() {
-    let shot = "[[shot]]\nsubject = \"object\"\nlight = \"top\"\ncolour = \"green\"\nfiles = [\"object/top-green.png\"]\n";
+    let shot =
+        "[[shot]]\nsubject = \"object\"\nlight = \"top\"\ncolour = \"green\"\nfiles = [\"object/top-green.png\"]\n";
     refused(|set| edit(set, shot, ""), &["top", "green"]);
 }
 
 #[test]
 fn a_shot_that_is_there_twice() {
-    let shot = "[[shot]]\nsubject = \"object\"\nlight = \"top\"\ncolour = \"green\"\nfiles = [\"object/top-green.png\"]\n";
+    let shot =
+        "[[shot]]\nsubject = \"object\"\nlight = \"top\"\ncolour = \"green\"\nfiles = [\"object/top-green.png\"]\n";
     refused(|set| edit(set, shot, &format!("{shot}\n{shot}")), &["capture.toml:", "top", "green"]);
 }
 

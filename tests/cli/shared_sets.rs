@@ -69,7 +69,8 @@ fn calibration_of_rendered_sets() {
             check(&words["beta"][c], beta, &words["interval"]["beta"][c], 0.005);
         }
         for (light, alpha) in rig["alpha"].as_object().unwrap() {
-            let of = |quantity: &str| (&words[quantity][light], &rig[quantity][light], &words["interval"][quantity][light]);
+            let of =
+                |quantity: &str| (&words[quantity][light], &rig[quantity][light], &words["interval"][quantity][light]);
             for (c, alpha) in alpha.as_array().unwrap().iter().enumerate() {
                 check(&words["alpha"][light][c], alpha, &words["interval"]["alpha"][light][c], 0.003);
             }

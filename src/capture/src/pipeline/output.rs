@@ -10,7 +10,7 @@ use super::{PipelineError, PipelineWatch, Solved, Stage, StageCost, Surfaced};
 use crate::atomic::{OutputFolder, WriteError};
 use crate::image_file::{ExrLayer, GreenAxis, ImageError, normals_png, write_exr};
 use crate::mesh_file::{write_obj, write_ply};
-use crate::report::{Report, html};
+use crate::report::{Report, html, overview};
 use crate::set::CaptureSet;
 
 /// How to write results.
@@ -36,6 +36,8 @@ pub fn write_solved(
     solved.stages = stages;
     written?;
 
+    let path = files.add("overview.png", "photo, bounces of the first light, normals before and after")?;
+    write_bytes(&path, &overview(solved).png()?)?;
     files.note("report.json", "every number of this run");
     files.note("report.html", "this run on one page, with pictures");
     let report = Report::new(set, solved, options.green, files.written.clone());

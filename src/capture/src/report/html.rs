@@ -5,12 +5,25 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use rayon::prelude::*;
 
 use super::calibration::Row;
-use super::{Pictures, Report, ShapeWords};
+use super::{Picture, Pictures, Report, ShapeWords};
 use crate::pipeline::{PipelineError, Solved, Surfaced};
 use crate::set::CaptureSet;
 
-/// How much brighter than bounce 1 the composite shows the indirect light, as in the paper's Figure 1.
-const COMPOSITE_AMPLIFICATION: f32 = 10.0;
+/// How much brighter than bounce 1 the composite shows the indirect light. The paper's Figure 1 takes 10; deep cavities need less.
+const COMPOSITE_AMPLIFICATION: f32 = 3.0;
+
+/// A run at a glance: the first light's photo, its bounces as in the paper's Figure 1, normals before and after.
+pub fn overview(solved: &Solved) -> Picture {
+    let pictures = Pictures::of(&solved.object.mask);
+    let bounces = &solved.separated.lights[0].bounces;
+    let mut shown = vec![pictures.light(&solved.object.photos[0][0].linear)];
+    if bounces.len() > 1 {
+        shown.push(pictures.composite(&bounces[0], &sum_of(&bounces[1..]), COMPOSITE_AMPLIFICATION));
+    }
+    let surfaces = [solved.before.as_ref(), solved.after.as_ref().ok()];
+    shown.extend(surfaces.into_iter().flatten().map(|surfaced| pictures.normals(&surfaced.shape.normals.map)));
+    Picture::row(&shown)
+}
 
 /// The page of a run.
 pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String, PipelineError> {
@@ -77,18 +90,18 @@ fn light_section(
     let bounces = &solved.separated.lights[l].bounces;
     let mut shown = Vec::new();
     for (colour, photo) in set.colours.iter().zip(&solved.object.photos[l]) {
-        shown.push((format!("Photo, {}", colour.name), pictures.light(&photo.linear)?));
+        shown.push((format!("Photo, {}", colour.name), pictures.light(&photo.linear).data_address()?));
     }
     let white = pictures.white(&bounces[0]);
     for (k, bounce) in (1..).zip(bounces) {
         let own = if k == 1 { white } else { pictures.white(bounce) };
         let brighter = if k == 1 { String::new() } else { format!(", {:.1} times brightened", white / own) };
-        shown.push((format!("Bounce {k}{brighter}"), pictures.light_with_white(bounce, own)?));
+        shown.push((format!("Bounce {k}{brighter}"), pictures.light_with_white(bounce, own).data_address()?));
     }
     if bounces.len() > 1 {
-        let composite = pictures.composite(&bounces[0], &sum_of(&bounces[1..]), COMPOSITE_AMPLIFICATION)?;
+        let composite = pictures.composite(&bounces[0], &sum_of(&bounces[1..]), COMPOSITE_AMPLIFICATION);
         let caption = format!("Bounce 1 red, later bounces cyan ({COMPOSITE_AMPLIFICATION} times)");
-        shown.push((caption, composite));
+        shown.push((caption, composite.data_address()?));
     }
     let words = &report.separation[name];
     Ok(html! {
@@ -111,15 +124,15 @@ fn shape_section(solved: &Solved, report: &Report, pictures: Pictures) -> Result
     let mut shown = Vec::new();
     let mut add = |what: &str, surfaced: &Surfaced| -> Result<(), PipelineError> {
         let shape = &surfaced.shape;
-        shown.push((format!("Normals {what}"), pictures.normals(&shape.normals.map)?));
-        shown.push((format!("Depth {what}"), pictures.depth(&shape.depth.depth_mm, &shape.depth.mask)?));
+        shown.push((format!("Normals {what}"), pictures.normals(&shape.normals.map).data_address()?));
+        shown.push((format!("Depth {what}"), pictures.depth(&shape.depth.depth_mm, &shape.depth.mask).data_address()?));
         Ok(())
     };
     if let Some(before) = &solved.before {
         add("before: photos as they are", before)?;
     }
     add("after: bounce 1 alone", after)?;
-    shown.push(("Albedo".into(), pictures.light(&after.shape.normals.albedo)?));
+    shown.push(("Albedo".into(), pictures.light(&after.shape.normals.albedo).data_address()?));
     Ok(html! {
         h2 { "Shape" }
         div.pictures { @for (caption, address) in &shown { (figure(caption, address)) } }

@@ -6,6 +6,6 @@ mod pictures;
 mod words;
 
 pub use calibration::{CalibrationWords, Row};
-pub use html::html;
-pub use pictures::Pictures;
+pub use html::{html, overview};
+pub use pictures::{Picture, Pictures};
 pub use words::{Conventions, DepthWords, LightWords, MeshWords, Report, SetWords, ShapeWords};

@@ -12,6 +12,50 @@ const LARGEST_SIDE: usize = 420;
 /// The brightest share of pixels may be clipped in a picture.
 const CLIPPED_SHARE: f64 = 0.002;
 
+/// A small picture for people: linear red, green and blue, 0 to 1.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    rgb: [Plane; 3],
+}
+
+impl Picture {
+    fn grey(plane: &Plane, exposure: f32) -> Self {
+        let grey = shrunk(plane, exposure);
+        Self { rgb: [grey.clone(), grey.clone(), grey] }
+    }
+
+    /// An 8-bit PNG.
+    pub fn png(&self) -> Result<Vec<u8>, ImageError> {
+        let [red, green, blue] = &self.rgb;
+        preview_png(&[red, green, blue], 1.0)
+    }
+
+    /// The PNG as an address that a page can hold.
+    pub fn data_address(&self) -> Result<String, ImageError> {
+        Ok(format!("data:image/png;base64,{}", STANDARD.encode(self.png()?)))
+    }
+
+    /// Pictures of one height side by side, a few dark pixels between.
+    pub fn row(pictures: &[Self]) -> Self {
+        const GAP: usize = 6;
+        let height = pictures.iter().map(|picture| picture.rgb[0].height()).max().unwrap_or(0);
+        let width = pictures.iter().map(|picture| picture.rgb[0].width() + GAP).sum::<usize>().saturating_sub(GAP);
+        let channel = |c: usize| {
+            let mut row = Plane::filled(width, height, 0.0);
+            let mut left = 0;
+            for plane in pictures.iter().map(|picture| &picture.rgb[c]) {
+                for y in 0..plane.height() {
+                    let start = y * width + left;
+                    row.data_mut()[start..start + plane.width()].copy_from_slice(plane.row(y));
+                }
+                left += plane.width() + GAP;
+            }
+            row
+        };
+        Self { rgb: [0, 1, 2].map(channel) }
+    }
+}
+
 /// Makes pictures of planes of one object.
 #[derive(Clone, Copy, Debug)]
 pub struct Pictures<'a> {
@@ -25,25 +69,24 @@ impl<'a> Pictures<'a> {
     }
 
     /// Linear light, brightened so that the object fills the range.
-    pub fn light(&self, plane: &Plane) -> Result<String, ImageError> {
-        data_address(&[plane], 1.0 / self.white(plane))
+    pub fn light(&self, plane: &Plane) -> Picture {
+        self.light_with_white(plane, self.white(plane))
     }
 
     /// Linear light at a given white, so that several pictures compare.
-    pub fn light_with_white(&self, plane: &Plane, white: f32) -> Result<String, ImageError> {
-        data_address(&[plane], 1.0 / white)
+    pub fn light_with_white(&self, plane: &Plane, white: f32) -> Picture {
+        Picture::grey(plane, 1.0 / white)
     }
 
     /// Figure 1 of the paper: bounce 1 in red, the indirect light in cyan, `amplification` times as bright.
-    pub fn composite(&self, direct: &Plane, indirect: &Plane, amplification: f32) -> Result<String, ImageError> {
-        let white = self.white(direct);
-        let mut cyan = indirect.clone();
-        cyan.data_mut().par_iter_mut().for_each(|light| *light *= amplification);
-        data_address(&[direct, &cyan, &cyan], 1.0 / white)
+    pub fn composite(&self, direct: &Plane, indirect: &Plane, amplification: f32) -> Picture {
+        let exposure = 1.0 / self.white(direct);
+        let cyan = shrunk(indirect, exposure * amplification);
+        Picture { rgb: [shrunk(direct, exposure), cyan.clone(), cyan] }
     }
 
     /// Normals as colours, (n + 1) / 2; black where there is none.
-    pub fn normals(&self, map: &NormalMap) -> Result<String, ImageError> {
+    pub fn normals(&self, map: &NormalMap) -> Picture {
         // Undo the curve that a picture of light gets: a normal's colour is no light.
         let encode = |plane: &Plane| {
             let data = plane
@@ -51,20 +94,21 @@ impl<'a> Pictures<'a> {
                 .par_iter()
                 .enumerate()
                 .map(|(pixel, &n)| if map.at_index(pixel).is_some() { (n * 0.5 + 0.5).powf(2.2) } else { 0.0 });
-            Plane::from_vec(plane.width(), plane.height(), data.collect()).unwrap_or_else(|| plane.clone())
+            let encoded = Plane::from_vec(plane.width(), plane.height(), data.collect());
+            shrunk(encoded.as_ref().unwrap_or(plane), 1.0)
         };
-        data_address(&[&encode(map.x()), &encode(map.y()), &encode(map.z())], 1.0)
+        Picture { rgb: [encode(map.x()), encode(map.y()), encode(map.z())] }
     }
 
     /// Depth from far (dark) to near (bright); black outside `mask`.
-    pub fn depth(&self, depth: &Plane, mask: &Mask) -> Result<String, ImageError> {
+    pub fn depth(&self, depth: &Plane, mask: &Mask) -> Picture {
         let inside = || depth.data().iter().zip(mask.data()).filter(|(_, inside)| **inside).map(|(z, _)| *z);
         let (low, high) = inside().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
         let range = (high - low).max(f32::MIN_POSITIVE);
         let shade = |(z, inside): (&f32, &bool)| if *inside { 0.03 + 0.97 * (z - low) / range } else { 0.0 };
         let data = depth.data().iter().zip(mask.data()).map(shade).collect();
-        let shaded = Plane::from_vec(depth.width(), depth.height(), data).unwrap_or_else(|| depth.clone());
-        data_address(&[&shaded], 1.0)
+        let shaded = Plane::from_vec(depth.width(), depth.height(), data);
+        Picture::grey(shaded.as_ref().unwrap_or(depth), 1.0)
     }
 
     /// The light that all but the brightest pixels of the object stay below.
@@ -80,14 +124,8 @@ impl<'a> Pictures<'a> {
     }
 }
 
-fn data_address(planes: &[&Plane], exposure: f32) -> Result<String, ImageError> {
-    let small: Vec<_> = planes.iter().map(|plane| shrunk(plane)).collect();
-    let png = preview_png(&small.iter().collect::<Vec<_>>(), exposure)?;
-    Ok(format!("data:image/png;base64,{}", STANDARD.encode(png)))
-}
-
-/// The mean of whole blocks of pixels, so that the larger side is at most `LARGEST_SIDE`.
-fn shrunk(plane: &Plane) -> Plane {
+/// The mean of whole blocks of pixels times `exposure`, clipped to 0..1, so that the larger side is at most `LARGEST_SIDE`.
+fn shrunk(plane: &Plane, exposure: f32) -> Plane {
     let block = plane.width().max(plane.height()).div_ceil(LARGEST_SIDE).max(1);
     let (width, height) = ((plane.width() / block).max(1), (plane.height() / block).max(1));
     Plane::from_fn(width, height, |x, y| {
@@ -95,7 +133,7 @@ fn shrunk(plane: &Plane) -> Plane {
         let columns = x * block..((x + 1) * block).min(plane.width());
         let count = (rows.len() * columns.len()).max(1);
         let sum: f32 = rows.flat_map(|row| plane.row(row)[columns.clone()].iter()).sum();
-        sum / count as f32
+        (sum / count as f32 * exposure).clamp(0.0, 1.0)
     })
 }
 
@@ -107,7 +145,7 @@ mod tests {
     fn a_large_picture_is_made_small_enough_to_mail() {
         let mask = Mask::filled(3000, 2000, true);
         let ramp = Plane::from_fn(3000, 2000, |x, y| (x + y) as f32 / 5000.0);
-        let address = Pictures::of(&mask).light(&ramp).unwrap();
+        let address = Pictures::of(&mask).light(&ramp).data_address().unwrap();
         let png = STANDARD.decode(address.strip_prefix("data:image/png;base64,").unwrap()).unwrap();
         let picture = image::load_from_memory(&png).unwrap();
         assert!(picture.width() <= 420 && picture.width() > 300);
