@@ -4,14 +4,18 @@
 //! struct. Frame: x right, y up, z from the object toward the camera; a light direction points from the object to
 //! the light; lengths in mm. Pixels: x right, y down, the centre of the top left pixel is (0.5, 0.5).
 
+pub mod camera;
 pub mod mask;
 pub mod mesh;
+pub mod normal_map;
 pub mod photo;
 pub mod plane;
 pub mod watch;
 
+pub use camera::{Camera, Projection};
 pub use mask::Mask;
 pub use mesh::Mesh;
+pub use normal_map::{AngularError, NormalMap};
 pub use photo::Photo;
 pub use plane::Plane;
 pub use watch::{Unwatched, Watch};
