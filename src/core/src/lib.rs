@@ -10,6 +10,8 @@ pub mod mesh;
 pub mod normal_map;
 pub mod photo;
 pub mod plane;
+pub mod radiosity;
+pub mod scene;
 pub mod watch;
 
 pub use camera::{Camera, Projection};
