@@ -100,15 +100,17 @@ fn compare(name: &str, shape: &Shape, patches: usize, mm_per_pixel: f64) -> Resu
     }
     let depth = block_means(&channel(&folder.join("truth/depth.exr"), "Y")?, &mask, BLOCK);
     let found = block_means(&rendering.depth_mm, &everywhere, BLOCK / REDUCTION);
-    let farthest = depth.iter().zip(&found).filter_map(|(a, b)| Some(((*a)? - (*b)?).abs())).fold(0.0, f64::max);
-    println!("{name} depth: at most {farthest:.3} mm off");
-    assert!(farthest < 0.2, "{name}: {farthest} mm");
+    let differences: Vec<f64> = depth.iter().zip(&found).filter_map(|(a, b)| Some(((*a)? - (*b)?).abs())).collect();
+    let difference_mm = differences.iter().sum::<f64>() / differences.len() as f64;
+    println!("{name} depth: {difference_mm:.4} mm");
+    assert!(difference_mm < 0.1, "{name}: {difference_mm} mm");
     Ok(())
 }
 
 #[test]
 fn corner_bounces_match_the_path_tracer() -> Result<(), Box<dyn Error>> {
-    compare("corner-blue", &Shape::Corner { wall_mm: 60.0, roll_deg: 20.0 }, 1500, 0.197_916_67)
+    // The set's normals lie at -25, 95 and 215 degrees about z.
+    compare("corner-blue", &Shape::Corner { wall_mm: 60.0, roll_deg: -10.0 }, 1500, 0.197_916_67)
 }
 
 #[test]

@@ -103,5 +103,6 @@ impl Occluders {
 }
 
 fn single(point: &Point3<f64>) -> [f32; 3] {
-    [point.x as f32, point.y as f32, point.z as f32]
+    // Adding zero turns -0 into 0: the tree takes the sign of a direction's component in two ways that differ for -0.
+    [point.x as f32 + 0.0, point.y as f32 + 0.0, point.z as f32 + 0.0]
 }

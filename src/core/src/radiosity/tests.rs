@@ -82,7 +82,7 @@ fn light_goes_both_ways_alike() {
 fn a_spherical_cap_obeys_its_closed_form() {
     // L = rho E + rho^2 f Emean / (1 - rho f), f the cap's fraction of the sphere (Moon 1940).
     let cap = Shape::Bowl { radius_mm: 30.0, half_angle_deg: 70.0, rim_mm: 0.0 };
-    let (factors, _) = factors_of(&cap.mesh(2500).unwrap());
+    let (factors, _) = factors_of(&cap.mesh(5000).unwrap());
     let patches = factors.patches().as_slice();
     let slanting = nalgebra::Vector3::new(0.6, 0.0, 0.8);
     let irradiance: Vec<f64> = patches.iter().map(|patch| patch.normal.dot(&slanting).max(0.0)).collect();

@@ -63,3 +63,6 @@ pub enum SceneError {
     #[error("cancelled")]
     Cancelled,
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,8 +10,8 @@ use crate::{Mesh, mesh::LengthUnit};
 /// A shape in the object frame, lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// Three square walls at right angles that meet at the origin and open toward +z: (1, 1, 1) turned onto +z, then
-    /// by `roll_deg` about z.
+    /// Three square walls at right angles that meet at the origin and open toward +z. Their normals lie at -15, 105 and
+    /// 225 degrees about z, plus `roll_deg`.
     Corner {
         /// Side of a wall.
         wall_mm: f64,
