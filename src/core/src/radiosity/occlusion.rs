@@ -12,6 +12,9 @@ use super::patches::Patch;
 
 /// The tree's boxes and rays are f32: boxes grow by this fraction of the diagonal so that rounding loses no triangle.
 const BOX_MARGIN: f64 = 1e-5;
+/// Walls that meet in a crease overlap by the rounding of their f32 corners: nothing blocks within this fraction of the
+/// diagonal from either end of a segment.
+const CLEARANCE: f64 = 1e-5;
 
 /// Where a ray first meets the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +33,7 @@ pub struct Occluders {
     tree: CwBvh,
     /// In the order of the tree's leaves: first corner, the two edges from it, and the patch they belong to.
     triangles: Vec<(Point3<f64>, [Vector3<f64>; 2], usize)>,
+    clearance_mm: f64,
 }
 
 impl Occluders {
@@ -46,7 +50,7 @@ impl Occluders {
             (a, [b - a, c - a], patch as usize)
         };
         let triangles = tree.primitive_indices.iter().map(leaf).collect();
-        Self { tree, triangles }
+        Self { tree, triangles, clearance_mm: diagonal_mm * CLEARANCE }
     }
 
     /// The first triangle on the ray from `origin` along `direction`, seen from either side, other than `skip`.
@@ -70,8 +74,10 @@ impl Occluders {
     pub fn blocked(&self, from: &Point3<f64>, to: &Point3<f64>, skip: [Option<usize>; 2]) -> bool {
         let direction = to - from;
         let ray = Ray::new(single(from).into(), single(&Point3::from(direction)).into(), 0.0, 1.0);
+        let clearance = self.clearance_mm / direction.norm();
+        let between = clearance..1.0 - clearance;
         !self.tree.ray_traverse_miss(ray, |_, leaf| match self.intersect(leaf, from, &direction) {
-            Some(hit) if hit.distance < 1.0 - 1e-9 && !skip.contains(&Some(hit.patch)) => hit.distance as f32,
+            Some(hit) if between.contains(&hit.distance) && !skip.contains(&Some(hit.patch)) => hit.distance as f32,
             _ => f32::INFINITY,
         })
     }

@@ -37,11 +37,11 @@ pub(super) fn unoccluded_exchange_mm2(a: &Patch, b: &Patch, flat_mm: f64, rays_i
 }
 
 /// The difference between the exchange found from `a` and from `b`, relative to it, for patches near enough for the one
-/// rule that is not symmetric in itself; `None` for others. Form factors below 0.001 count as 0.001.
+/// rule that is not symmetric in itself; `None` for others. Form factors below 0.01 count as 0.01.
 pub(super) fn reciprocity_residual(a: &Patch, b: &Patch, flat_mm: f64) -> Option<f64> {
     let near = (b.centre - a.centre).norm() < THREE_POINTS_SUFFICE * (a.radius_mm + b.radius_mm);
     let (exchange, _) = if near { unoccluded_exchange_mm2(a, b, flat_mm, 1) } else { (0.0, 0) };
-    let floor = 1e-3 * a.area_mm2.min(b.area_mm2);
+    let floor = 1e-2 * a.area_mm2.min(b.area_mm2);
     (exchange > 0.0).then(|| (nearby_exchange_mm2(b, a) - exchange).abs() / exchange.max(floor))
 }
 

@@ -132,23 +132,17 @@ impl Patches {
         self.diagonal_mm * FLAT
     }
 
-    /// For each patch, the others that continue its smooth surface across a shared corner.
-    pub(crate) fn smooth_neighbours(&self) -> Vec<Vec<usize>> {
+    /// For each corner of each patch, the patches that share its smooth surface there, the patch itself among them.
+    pub(crate) fn around_corners(&self) -> Vec<[Vec<usize>; 3]> {
         let at_corner = patches_at_corners(&self.patches);
         let cosine = CREASE_DEG.to_radians().cos();
-        let neighbours = |(index, patch): (usize, &Patch)| {
-            let mut found = Vec::new();
-            for (corner, normal) in patch.corners.iter().zip(&patch.corner_normals) {
-                let around = at_corner.get(&key(corner)).into_iter().flatten();
-                let smooth =
-                    around.filter(|&&(_, other, k)| self.patches[other].corner_normals[k].dot(normal) > cosine);
-                found.extend(smooth.map(|&(_, other, _)| other).filter(|&other| other != index));
-            }
-            found.sort_unstable();
-            found.dedup();
-            found
+        let around = |patch: &Patch, k: usize| {
+            let here = at_corner.get(&key(&patch.corners[k])).into_iter().flatten();
+            let normal_of = |other: usize, corner: usize| self.patches[other].corner_normals[corner];
+            let smooth = |&&(_, other, corner): &&_| normal_of(other, corner).dot(&patch.corner_normals[k]) > cosine;
+            here.filter(smooth).map(|&(_, other, _)| other).collect()
         };
-        self.patches.par_iter().enumerate().map(neighbours).collect()
+        self.patches.par_iter().map(|patch| [0, 1, 2].map(|k| around(patch, k))).collect()
     }
 }
 

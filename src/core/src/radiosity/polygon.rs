@@ -62,7 +62,8 @@ pub(crate) fn point_to_triangle(point: &Point3<f64>, normal: &Unit<Vector3<f64>>
 
 /// Area times form factor between two polygons that see each other wholly, in the square of their unit, symmetric, right
 /// for polygons that touch: `A F = 1/2pi` times the double contour integral of `ln r dx . dy` (Goral et al. 1984). The
-/// inner integral is closed; where edges touch it has `t ln t` kinks at the ends, which the outer rule crowds out.
+/// inner integral is closed; where edges touch it has `t ln t` kinks at the ends, which the outer rule crowds out, and where
+/// they pass each other closely it is halved until it is smooth.
 pub(crate) fn polygon_to_polygon(from: &Polygon, to: &Polygon) -> f64 {
     let mut sum = 0.0;
     for (start, end) in from.edges() {
@@ -74,18 +75,32 @@ pub(crate) fn polygon_to_polygon(from: &Polygon, to: &Polygon) -> f64 {
             if cosine == 0.0 || length == 0.0 {
                 continue;
             }
-            let inner: f64 = GAUSS_8
-                .iter()
-                .map(|&(s, weight)| {
-                    // Points crowd at both ends: t = 3 s^2 - 2 s^3.
-                    let (t, stretch) = (s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s));
-                    weight * stretch * mean_log_distance(&(start + along * t), &to_start, &to_along, length)
-                })
-                .sum();
-            sum += cosine * inner;
+            let inner = |t: f64| mean_log_distance(&(start + along * t), &to_start, &to_along, length);
+            sum += cosine * adaptive_integral(&inner, (0.0, 1.0), gauss_8(&inner, 0.0, 1.0), 0);
         }
     }
     (sum / TAU).max(0.0)
+}
+
+/// The integral whose value by one rule is `whole`: halved while the halves do not agree with it.
+fn adaptive_integral(f: &impl Fn(f64) -> f64, (low, high): (f64, f64), whole: f64, halvings: usize) -> f64 {
+    const TOLERANCE: f64 = 1e-6;
+    const MAX_HALVINGS: usize = 6;
+    let middle = (low + high) / 2.0;
+    let halves = [gauss_8(f, low, middle), gauss_8(f, middle, high)];
+    let sum = halves[0] + halves[1];
+    if halvings == MAX_HALVINGS || (sum - whole).abs() < TOLERANCE {
+        return sum;
+    }
+    adaptive_integral(f, (low, middle), halves[0], halvings + 1)
+        + adaptive_integral(f, (middle, high), halves[1], halvings + 1)
+}
+
+/// Gauss's rule of eight points, crowded at both ends by `t = 3 s^2 - 2 s^3`.
+fn gauss_8(f: &impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    let width = high - low;
+    let term = |&(s, weight): &(f64, f64)| weight * 6.0 * s * (1.0 - s) * f(low + width * s * s * (3.0 - 2.0 * s));
+    width * GAUSS_8.iter().map(term).sum::<f64>()
 }
 
 /// Mean of `ln |point - y|` over `y` on the segment from `start` along `along`, which is `length` long and not zero.
@@ -107,8 +122,8 @@ const GAUSS_8: [(f64, f64); 8] = [
     (0.019_855_071_751_231_856, 0.050_614_268_145_188_13),
     (0.101_666_761_293_186_64, 0.111_190_517_226_687_24),
     (0.237_233_795_041_835_5, 0.156_853_322_938_943_64),
-    (0.408_282_678_752_175_1, 0.181_341_891_689_180_99),
-    (0.591_717_321_247_824_9, 0.181_341_891_689_180_99),
+    (0.408_282_678_752_175_1, 0.181_341_891_689_181),
+    (0.591_717_321_247_825, 0.181_341_891_689_181),
     (0.762_766_204_958_164_5, 0.156_853_322_938_943_64),
     (0.898_333_238_706_813_4, 0.111_190_517_226_687_24),
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),

@@ -1,9 +1,11 @@
 //! The light that arrives at one point of the surface from all patches (final gather).
 
-use nalgebra::{Matrix3, Point3, Unit, Vector3};
-use rayon::prelude::*;
+use nalgebra::{Point3, Unit, Vector3};
 
-use super::lamp::Receiver;
+use super::{
+    lamp::Receiver,
+    linear::{Linear, linear_over_patches},
+};
 use crate::radiosity::{Patch, Patches, polygon::point_to_triangle};
 
 /// Beyond this many radii the centre of a patch stands for it, with an error of about 1/4 (radius/distance)^2, 0.4 % of
@@ -16,8 +18,8 @@ const MAX_CUTS: usize = 5;
 /// Patches whose form factors are computed together.
 const BLOCK: usize = 256;
 
-/// Patches and their radiosities, laid out for gathering. Over a patch, radiosity runs linearly with the gradient of its
-/// smooth neighbours about the mean, so that no patch shows at creases.
+/// Patches and their radiosities, laid out for gathering. Far patches send their mean; near ones a radiosity that runs
+/// linearly and without a step to their neighbours, so that no patch shows at creases.
 pub(super) struct Gatherer<'a> {
     patches: &'a Patches,
     centres: [Vec<f32>; 3],
@@ -27,8 +29,8 @@ pub(super) struct Gatherer<'a> {
     near_squared: Vec<f32>,
     /// For each channel, a value for each patch.
     radiosities: Vec<Vec<f32>>,
-    /// For each patch, the gradient of each channel.
-    gradients: Vec<Vec<Vector3<f32>>>,
+    /// For each patch, how each channel runs over it.
+    linear: Vec<Vec<Linear>>,
 }
 
 impl<'a> Gatherer<'a> {
@@ -36,8 +38,6 @@ impl<'a> Gatherer<'a> {
     pub(super) fn new(patches: &'a Patches, channels: &[&[f64]]) -> Self {
         let all = patches.as_slice();
         let each = |value: &dyn Fn(&Patch) -> f64| all.iter().map(|patch| value(patch) as f32).collect::<Vec<f32>>();
-        let neighbours = patches.smooth_neighbours();
-        let gradient = |index: usize| gradients(all, index, &neighbours[index], channels);
         Self {
             patches,
             centres: [0, 1, 2].map(|k| each(&|patch| patch.centre[k])),
@@ -45,7 +45,7 @@ impl<'a> Gatherer<'a> {
             weights: each(&|patch| patch.area_mm2 / std::f64::consts::PI),
             near_squared: each(&|patch| (f64::from(CENTRE_SUFFICES) * patch.radius_mm).powi(2)),
             radiosities: channels.iter().map(|channel| channel.iter().map(|&b| b as f32).collect()).collect(),
-            gradients: (0..all.len()).into_par_iter().map(gradient).collect(),
+            linear: linear_over_patches(patches, channels),
         }
     }
 
@@ -113,8 +113,8 @@ impl<'a> Gatherer<'a> {
         }
         let factor = point_to_triangle(&receiver.point, &receiver.normal, &piece);
         let offset: Vector3<f32> = (centre - self.patches.as_slice()[index].centre).cast();
-        for ((sum, radiosities), gradient) in sums.iter_mut().zip(&self.radiosities).zip(&self.gradients[index]) {
-            *sum += factor * f64::from(radiosities[index] + gradient.dot(&offset));
+        for (sum, linear) in sums.iter_mut().zip(&self.linear[index]) {
+            *sum += factor * f64::from(linear.at(&offset));
         }
     }
 
@@ -137,35 +137,14 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest
 }
 
-/// The gradient of every channel over one patch: least squares over its smooth neighbours, shortened where it would take
-/// the radiosity of a corner below zero.
-fn gradients(patches: &[Patch], index: usize, neighbours: &[usize], channels: &[&[f64]]) -> Vec<Vector3<f32>> {
-    let patch = &patches[index];
-    let offsets: Vec<Vector3<f64>> = neighbours.iter().map(|&other| patches[other].centre - patch.centre).collect();
-    let normal = patch.normal.into_inner();
-    // Nothing is known along the normal: the gradient shall be zero there.
-    let mut matrix: Matrix3<f64> = normal * normal.transpose() * offsets.len() as f64;
-    for offset in &offsets {
-        matrix += offset * offset.transpose() / offset.norm_squared().max(f64::MIN_POSITIVE);
-    }
-    let inverse = (offsets.len() >= 2).then(|| matrix.try_inverse()).flatten().unwrap_or_else(Matrix3::zeros);
-    let gradient = |channel: &&[f64]| {
-        let own = channel[index];
-        let pull = |(offset, &other): (&Vector3<f64>, &usize)| {
-            offset * (channel[other] - own) / offset.norm_squared().max(f64::MIN_POSITIVE)
-        };
-        let gradient = inverse * offsets.iter().zip(neighbours).map(pull).sum::<Vector3<f64>>();
-        let lowest = patch.corners.iter().map(|corner| gradient.dot(&(corner - patch.centre))).fold(0.0, f64::min);
-        let keep = if own + lowest < 0.0 { own / -lowest } else { 1.0 };
-        (gradient * keep).cast()
-    };
-    channels.iter().map(gradient).collect()
-}
-
 /// A receiver on the smooth surface a patch stands for, at the barycentric weights of its second and third corner: the
 /// interpolated normal, and the point lifted out of the facet where the surface is convex, so that the facets around it
 /// cast no shadow along the terminator (Hanika 2021).
 pub(super) fn smooth_receiver(patches: &Patches, index: usize, (u, v): (f64, f64)) -> Receiver {
+    // On a crease itself a point would be neither before nor behind the other wall: stay a hair inside the facet.
+    const INSET: f64 = 1e-3;
+    let [w, u, v] = [1.0 - u - v, u, v].map(|weight| weight.max(INSET));
+    let (u, v) = (u / (w + u + v), v / (w + u + v));
     let patch = &patches.as_slice()[index];
     let weights = [1.0 - u - v, u, v];
     let point = patch.point(u, v);

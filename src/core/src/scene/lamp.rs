@@ -60,6 +60,14 @@ pub(super) struct Receiver {
     pub(super) patch: usize,
 }
 
+impl Receiver {
+    /// Whether another point lies on the same smooth surface: about the same normal, and no step between them.
+    pub(super) fn continues(&self, other: &Receiver) -> bool {
+        let across = other.point - self.point;
+        self.normal.dot(&other.normal) > 0.985 && self.normal.dot(&across).abs() <= 0.3 * across.norm()
+    }
+}
+
 impl Lamp {
     /// Whether the lamp can shine on the origin.
     pub fn check(&self) -> Result<(), SceneError> {
@@ -76,7 +84,7 @@ impl Lamp {
             Self::Directional { direction_to_light, .. } if (direction_to_light.norm() - 1.0).abs() > 1e-6 => {
                 bad("the length of direction_to_light", direction_to_light.norm(), "1")
             }
-            Self::Point { position_mm, .. } if !(position_mm.coords.norm() > 0.0) => {
+            Self::Point { position_mm, .. } if position_mm.coords.norm() == 0.0 => {
                 bad("the distance of the lamp", position_mm.coords.norm(), "greater than 0")
             }
             Self::Area { points_per_side, .. } if !(1..=64).contains(points_per_side) => {

@@ -3,8 +3,10 @@
 //! `Shape` or any `Mesh` becomes `radiosity::Patches`, whose form factors serve every lamp, albedo and camera; `render`
 //! puts lamps and camera to them.
 
+mod anchor;
 mod gather;
 mod lamp;
+mod linear;
 mod render;
 mod shape;
 
@@ -55,6 +57,12 @@ pub enum SceneError {
         option: &'static str,
         /// Its value.
         value: usize,
+    },
+    /// A tolerance out of its range.
+    #[error("gather_tolerance is {tolerance}; take a fraction from 0 to 1, such as 0.1")]
+    BadTolerance {
+        /// The value.
+        tolerance: f64,
     },
     /// The light could not be bounced.
     #[error(transparent)]

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::{
     SceneError,
+    anchor::Anchors,
     gather::{Gatherer, smooth_receiver},
     lamp::{Lamp, Receiver, Sources, irradiances},
 };
@@ -22,13 +23,26 @@ pub struct RenderOptions {
     pub bounces: BounceOptions,
     /// Samples along each side of a pixel: direct light, shadows, normals and depth are means over their square.
     pub samples_per_pixel_side: usize,
+    /// Indirect light is gathered at every so-manieth pixel along rows and columns, and at pixels between them only where
+    /// these lie on different surfaces or differ by more than `gather_tolerance`; 1 gathers in every pixel.
+    pub gather_spacing_px: usize,
+    /// How much the light gathered around a pixel may differ, as a fraction of it or of the picture's mean, for the pixel
+    /// to take its bilinear mean. That errs by about an eighth of its square where the light is smooth, and by half of it
+    /// at worst, on a shadow's edge.
+    pub gather_tolerance: f64,
     /// Points along each side of a patch at which lamps and shadows are sampled for its irradiance.
     pub points_per_patch_side: usize,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { bounces: BounceOptions::default(), samples_per_pixel_side: 3, points_per_patch_side: 3 }
+        Self {
+            bounces: BounceOptions::default(),
+            samples_per_pixel_side: 3,
+            gather_spacing_px: 4,
+            gather_tolerance: 0.1,
+            points_per_patch_side: 3,
+        }
     }
 }
 
@@ -38,11 +52,15 @@ impl RenderOptions {
         self.bounces.check()?;
         for (option, value) in [
             ("samples_per_pixel_side", self.samples_per_pixel_side),
+            ("gather_spacing_px", self.gather_spacing_px),
             ("points_per_patch_side", self.points_per_patch_side),
         ] {
             if !(1..=16).contains(&value) {
                 return Err(SceneError::BadOption { option, value });
             }
+        }
+        if !(0.0..1.0).contains(&self.gather_tolerance) {
+            return Err(SceneError::BadTolerance { tolerance: self.gather_tolerance });
         }
         Ok(())
     }
@@ -75,7 +93,7 @@ pub struct Rendering {
 pub struct RenderReport {
     /// Pixels the surface fills wholly.
     pub mask_pixels: usize,
-    /// Points at which indirect light was gathered; more than a pixel's one where several surfaces share it.
+    /// Points at which indirect light was gathered; the other pixels interpolate.
     pub gathers: usize,
     /// The solver's report on the sum of all bounces.
     pub all_bounces: BounceReport,
@@ -115,8 +133,13 @@ pub fn render(
         gatherer: Gatherer::new(patches, &channels),
         told_apart,
     };
-    let pixels = view.all_pixels(watch)?;
-    let (rendering, mask_pixels, gathers) = assemble(camera.size, lamps.len(), &options.bounces, &pixels);
+    let anchors =
+        Anchors::new(camera.size, options.gather_spacing_px, options.gather_tolerance, &view.gatherer, |x, y| {
+            Some(view.hit(x, y)?.0)
+        });
+    let pixels = view.all_pixels(&anchors, watch)?;
+    let (rendering, mask_pixels, gathers_between) = assemble(camera.size, lamps.len(), &options.bounces, &pixels);
+    let gathers = anchors.gathers() + gathers_between;
     Ok((rendering, RenderReport { mask_pixels, gathers, all_bounces }))
 }
 
@@ -142,7 +165,7 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn all_pixels(&self, watch: &dyn Watch) -> Result<Vec<Pixel>, SceneError> {
+    fn all_pixels(&self, anchors: &Anchors, watch: &dyn Watch) -> Result<Vec<Pixel>, SceneError> {
         let (width, height) = self.camera.size;
         let rows_at_once = height.div_ceil(100);
         let mut pixels = Vec::with_capacity(width * height);
@@ -152,44 +175,48 @@ impl View<'_> {
             }
             watch.progress(first as f32 / height as f32);
             let block: Range<usize> = first * width..(first + rows_at_once).min(height) * width;
-            pixels.par_extend(block.into_par_iter().map(|index| self.pixel(index % width, index / width)));
+            pixels.par_extend(block.into_par_iter().map(|index| self.pixel(index % width, index / width, anchors)));
         }
         watch.progress(1.0);
         Ok(pixels)
     }
 
-    fn pixel(&self, column: usize, row: usize) -> Pixel {
+    fn pixel(&self, column: usize, row: usize, anchors: &Anchors) -> Pixel {
         let side = self.samples as f64;
         let sample = |k: usize| {
             let (i, j) = ((k % self.samples) as f64, (k / self.samples) as f64);
             self.hit(column as f64 + (i + 0.5) / side, row as f64 + (j + 0.5) / side)
         };
         let count = self.samples * self.samples;
-        let hits: Vec<Receiver> = (0..count).filter_map(sample).collect();
+        let (hits, heights_mm): (Vec<Receiver>, Vec<f64>) = (0..count).filter_map(sample).unzip();
         let mut pixel = Pixel {
             light: vec![0.0; self.lamps.len() * (self.told_apart + 1 + self.albedos.len())],
             normal: hits.iter().map(|hit| hit.normal.into_inner()).sum(),
-            depth_mm: hits.iter().map(|hit| hit.point.z).sum::<f64>() / hits.len().max(1) as f64,
+            depth_mm: heights_mm.iter().sum::<f64>() / hits.len().max(1) as f64,
             filled: hits.len() == count,
             gathers: 0,
         };
         let light_of = 1.0 / count as f64;
         for surface in surfaces(&hits) {
-            pixel.gathers += 1;
-            self.add_surface(&surface, light_of, &mut pixel.light);
+            let middle = middle(&surface);
+            let gathered = anchors.irradiance(column, row, middle).unwrap_or_else(|| {
+                pixel.gathers += 1;
+                self.gatherer.irradiance(middle)
+            });
+            self.add_surface(&surface, &gathered, light_of, &mut pixel.light);
         }
         pixel
     }
 
-    /// The first point of the surface on the ray of an image position.
-    fn hit(&self, x_px: f64, y_px: f64) -> Option<Receiver> {
+    /// The first point of the surface on the ray of an image position, and its height z.
+    fn hit(&self, x_px: f64, y_px: f64) -> Option<(Receiver, f64)> {
         let direction = self.camera.view_ray(x_px, y_px);
         let origin = match self.camera.projection {
             Projection::Perspective { working_distance_mm, .. } => Point3::new(0.0, 0.0, working_distance_mm),
             Projection::Orthographic { .. } => self.camera.point_mm(x_px, y_px, self.top_mm()),
         };
         let hit = self.patches.occluders().first_hit(&origin, &direction, None)?;
-        Some(smooth_receiver(self.patches, hit.patch, hit.weights))
+        Some((smooth_receiver(self.patches, hit.patch, hit.weights), origin.z + direction.z * hit.distance))
     }
 
     /// A height above the whole surface.
@@ -197,12 +224,8 @@ impl View<'_> {
         self.patches.as_slice()[0].centre.z + 2.0 * self.patches.diagonal_mm()
     }
 
-    /// Adds the light of samples that share a surface, each with the weight `light_of`.
-    fn add_surface(&self, samples: &[&Receiver], light_of: f64, light: &mut [f32]) {
-        let mean = samples.iter().map(|sample| sample.point.coords).sum::<Vector3<f64>>() / samples.len() as f64;
-        let from_mean = |sample: &Receiver| (sample.point.coords - mean).norm_squared();
-        let middle = samples.iter().copied().reduce(|a, b| if from_mean(b) < from_mean(a) { b } else { a });
-        let gathered = middle.map(|middle| self.gatherer.irradiance(middle)).unwrap_or_default();
+    /// Adds the light of samples that share a surface and the irradiance `gathered`, each with the weight `light_of`.
+    fn add_surface(&self, samples: &[&Receiver], gathered: &[f64], light_of: f64, light: &mut [f32]) {
         let share = light_of * samples.len() as f64;
         let rho = self.albedos[0];
         let planes = self.told_apart + self.albedos.len();
@@ -225,21 +248,23 @@ impl View<'_> {
     }
 }
 
-/// Samples of a pixel sorted by the smooth surface they lie on: about the same normal, and no step between them.
+/// Samples of a pixel sorted by the smooth surface they lie on.
 fn surfaces(hits: &[Receiver]) -> Vec<Vec<&Receiver>> {
     let mut surfaces: Vec<Vec<&Receiver>> = Vec::new();
     for hit in hits {
-        let same = |surface: &&mut Vec<&Receiver>| {
-            let across = hit.point - surface[0].point;
-            let normal = surface[0].normal;
-            normal.dot(&hit.normal) > 0.985 && normal.dot(&across).abs() <= 0.3 * across.norm()
-        };
-        match surfaces.iter_mut().find(same) {
+        match surfaces.iter_mut().find(|surface| surface[0].continues(hit)) {
             Some(surface) => surface.push(hit),
             None => surfaces.push(vec![hit]),
         }
     }
     surfaces
+}
+
+/// The sample nearest to the mean of samples that share a surface.
+fn middle<'a>(samples: &[&'a Receiver]) -> &'a Receiver {
+    let mean = samples.iter().map(|sample| sample.point.coords).sum::<Vector3<f64>>() / samples.len() as f64;
+    let from_mean = |sample: &Receiver| (sample.point.coords - mean).norm_squared();
+    samples[1..].iter().fold(samples[0], |best, sample| if from_mean(sample) < from_mean(best) { sample } else { best })
 }
 
 fn assemble(

@@ -107,6 +107,9 @@ struct MeshBuilder {
     edge_mm: f64,
 }
 
+/// Points around the first ring about a pole; ring r has r times as many.
+const SECTORS: usize = 6;
+
 impl MeshBuilder {
     fn new(edge_mm: f64) -> Self {
         let unit = LengthUnit::Millimetre;
@@ -139,16 +142,15 @@ impl MeshBuilder {
         let opening_mm = radius_mm * half_angle.sin();
         let centre = Point3::new(0.0, 0.0, radius_mm * half_angle.cos());
         let cap_area_mm2 = TAU * radius_mm * radius_mm * (1.0 - half_angle.cos());
-        let sectors = sectors(half_angle);
-        let rings = self.rings(sectors, cap_area_mm2);
-        self.disc(sectors, rings, |fraction, turn| {
-            let (sine, cosine) = (fraction * half_angle).sin_cos();
+        let rings = self.rings(cap_area_mm2);
+        self.disc(rings, |fraction, turn| {
+            let (sine, cosine) = polar_angle(fraction, half_angle).sin_cos();
             let inward = Vector3::new(-sine * turn.cos(), -sine * turn.sin(), cosine);
             (centre - inward * radius_mm, inward)
         });
         if rim_mm > 0.0 {
             let bands = (rim_mm / self.edge_mm).ceil() as usize;
-            let around = sectors * rings;
+            let around = SECTORS * rings;
             self.grid(around, bands, |u, v| {
                 let (sine, cosine) = (TAU * u).sin_cos();
                 let distance_mm = opening_mm + rim_mm * (1.0 - v);
@@ -180,11 +182,10 @@ impl MeshBuilder {
     }
 
     fn ball(&mut self, centre: Point3<f64>, radius_mm: f64) {
-        let sectors = sectors(FRAC_PI_2);
-        let rings = self.rings(sectors, TAU * radius_mm * radius_mm);
+        let rings = self.rings(TAU * radius_mm * radius_mm);
         for half in [1.0, -1.0] {
-            self.disc(sectors, rings, |fraction, turn| {
-                let (sine, cosine) = (fraction * FRAC_PI_2).sin_cos();
+            self.disc(rings, |fraction, turn| {
+                let (sine, cosine) = polar_angle(fraction, FRAC_PI_2).sin_cos();
                 let outward = Vector3::new(sine * turn.cos(), sine * turn.sin(), half * cosine);
                 (centre + outward * radius_mm, outward)
             });
@@ -192,9 +193,9 @@ impl MeshBuilder {
     }
 
     /// Rings about a pole so that a triangle covers half the square of the edge.
-    fn rings(&self, sectors: usize, area_mm2: f64) -> usize {
+    fn rings(&self, area_mm2: f64) -> usize {
         let triangles = 2.0 * area_mm2 / (self.edge_mm * self.edge_mm);
-        ((triangles / sectors as f64).sqrt().round() as usize).max(1)
+        ((triangles / SECTORS as f64).sqrt().round() as usize).max(1)
     }
 
     /// A flat quadrilateral, its corners counter-clockwise seen from the front.
@@ -226,22 +227,22 @@ impl MeshBuilder {
         }
     }
 
-    /// Rings about a pole, the first of as many points as `sectors`, ring r of r times as many; `place` takes the distance from the pole in 0..1 and the angle around it.
-    fn disc(&mut self, sectors: usize, rings: usize, place: impl Fn(f64, f64) -> (Point3<f64>, Vector3<f64>)) {
+    /// Rings about a pole; `place` takes the distance from the pole in 0..1 and the angle around it.
+    fn disc(&mut self, rings: usize, place: impl Fn(f64, f64) -> (Point3<f64>, Vector3<f64>)) {
         let first = self.mesh.positions.len();
         self.vertex(place(0.0, 0.0));
         for ring in 1..=rings {
-            let around = sectors * ring;
+            let around = SECTORS * ring;
             for k in 0..around {
                 self.vertex(place(ring as f64 / rings as f64, TAU * k as f64 / around as f64));
             }
         }
         let index = |ring: usize, k: usize| match ring {
             0 => first,
-            _ => first + 1 + sectors * ring * (ring - 1) / 2 + k % (sectors * ring),
+            _ => first + 1 + SECTORS * ring * (ring - 1) / 2 + k % (SECTORS * ring),
         };
         for ring in 0..rings {
-            for sector in 0..sectors {
+            for sector in 0..SECTORS {
                 let (inner, outer) = (sector * ring, sector * (ring + 1));
                 for k in 0..=ring {
                     self.triangle([index(ring, inner + k), index(ring + 1, outer + k), index(ring + 1, outer + k + 1)]);
@@ -269,8 +270,10 @@ impl MeshBuilder {
     }
 }
 
-/// As many sectors about the pole of a cap as make its outermost triangles about as high as wide: their planes then
-/// touch the sphere near their centres.
-fn sectors(half_angle: f64) -> usize {
-    (TAU * half_angle.sin() / half_angle).round() as usize
+/// The polar angle at a fraction of the rings of a cap. Rings crowd toward its edge until triangles there are about
+/// equilateral: a facet that ends at the edge errs in what it sees of the opening by as much as its centre lies off the
+/// point where its plane is parallel to the sphere.
+fn polar_angle(fraction: f64, half_angle: f64) -> f64 {
+    let slope_at_edge = TAU / SECTORS as f64 * 0.75f64.sqrt() * half_angle.sin() / half_angle;
+    fraction * half_angle * (1.0 + (1.0 - slope_at_edge) * (1.0 - fraction))
 }

@@ -102,6 +102,38 @@ fn no_patch_shows_along_a_crease() {
 }
 
 #[test]
+fn walls_of_a_tray_do_not_shade_the_crease_they_meet_in() {
+    // Samples fall exactly on the tray's diagonals.
+    let factors = factors_of(&Shape::Tray { side_mm: 80.0 }.mesh(400).unwrap());
+    let options = RenderOptions { samples_per_pixel_side: 1, gather_spacing_px: 1, ..Default::default() };
+    let camera = orthographic(1.0, 79, 79);
+    let (picture, _) = render(&factors, &[directional(0.0, 0.0, 1.0)], &camera, &options, &Unwatched).unwrap();
+    let second = &picture.lights[0].bounces[1];
+    for k in 3..13 {
+        let beside = second.at(k - 2, k).min(second.at(k + 2, k));
+        assert!(second.at(k, k) > 0.8 * beside, "{k}: {} {beside}", second.at(k, k));
+    }
+}
+
+#[test]
+fn interpolated_light_is_the_gathered_light() {
+    let factors = factors_of(&Shape::Tray { side_mm: 80.0 }.mesh(400).unwrap());
+    let lamp = [directional(0.3, 0.1, 1.0)];
+    let camera = orthographic(0.2, 100, 60);
+    let picture = |gather_spacing_px| {
+        let options = RenderOptions { samples_per_pixel_side: 1, gather_spacing_px, ..Default::default() };
+        render(&factors, &lamp, &camera, &options, &Unwatched).unwrap()
+    };
+    let ((everywhere, all), (between, some)) = (picture(1), picture(4));
+    assert_eq!(all.gathers, 6000);
+    assert!(some.gathers < 5000, "{}", some.gathers);
+    for (exact, found) in everywhere.lights[0].bounces.iter().zip(&between.lights[0].bounces) {
+        let difference: f32 = exact.data().iter().zip(found.data()).map(|(a, b)| (a - b).abs()).sum();
+        assert!(difference < 0.003 * exact.data().iter().sum::<f32>());
+    }
+}
+
+#[test]
 fn a_square_overhead_casts_its_shadow() {
     let mut mesh = empty();
     square(&mut mesh, 10.0, 0.0);
