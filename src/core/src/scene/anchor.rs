@@ -3,7 +3,8 @@
 
 use rayon::prelude::*;
 
-use super::{gather::Gatherer, lamp::Receiver};
+use super::{SceneError, gather::Gatherer, lamp::Receiver};
+use crate::Watch;
 
 /// A pixel at which light was gathered.
 pub(super) struct Anchor {
@@ -29,21 +30,29 @@ impl Anchors {
         tolerance: f64,
         gatherer: &Gatherer,
         hit: impl Fn(f64, f64) -> Option<Receiver> + Sync,
-    ) -> Self {
+        watch: &dyn Watch,
+    ) -> Result<Self, SceneError> {
         // A grid as fine as the pixels would gather everything twice.
         let lines = |pixels: usize| if spacing_px > 1 { (pixels - 1) / spacing_px + 2 } else { 0 };
         let (columns, rows) = (lines(width), lines(height));
-        let anchor = |index: usize| {
-            let centre = |line: usize| (line * spacing_px) as f64 + 0.5;
-            let receiver = hit(centre(index % columns), centre(index / columns))?;
+        let centre = |line: usize| (line * spacing_px) as f64 + 0.5;
+        let anchor = |column: usize, row: usize| {
+            let receiver = hit(centre(column), centre(row))?;
             Some(Anchor { irradiance: gatherer.irradiance(&receiver), receiver })
         };
-        let anchors: Vec<Option<Anchor>> = (0..columns * rows).into_par_iter().map(anchor).collect();
+        let line = |row: usize| {
+            if watch.cancelled() {
+                return Err(SceneError::Cancelled);
+            }
+            Ok((0..columns).map(|column| anchor(column, row)).collect::<Vec<_>>())
+        };
+        let lines = (0..rows).into_par_iter().map(line).collect::<Result<Vec<_>, _>>()?;
+        let anchors: Vec<Option<Anchor>> = lines.into_iter().flatten().collect();
         let gathered = || anchors.iter().flatten().map(|anchor| &anchor.irradiance);
         let count = gathered().count().max(1) as f64;
         let channels = gathered().next().map_or(0, Vec::len);
         let means = (0..channels).map(|k| gathered().map(|irradiance| irradiance[k]).sum::<f64>() / count).collect();
-        Self { spacing_px, columns, tolerance, anchors, means }
+        Ok(Self { spacing_px, columns, tolerance, anchors, means })
     }
 
     /// How many anchors gathered light.

@@ -66,10 +66,19 @@ pub enum SceneError {
     },
     /// The light could not be bounced.
     #[error(transparent)]
-    Radiosity(#[from] RadiosityError),
+    Radiosity(RadiosityError),
     /// The watcher asked to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl From<RadiosityError> for SceneError {
+    fn from(error: RadiosityError) -> Self {
+        match error {
+            RadiosityError::Cancelled => Self::Cancelled,
+            other => Self::Radiosity(other),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -133,10 +133,9 @@ pub fn render(
         gatherer: Gatherer::new(patches, &channels),
         told_apart,
     };
-    let anchors =
-        Anchors::new(camera.size, options.gather_spacing_px, options.gather_tolerance, &view.gatherer, |x, y| {
-            Some(view.hit(x, y)?.0)
-        });
+    let hit = |x_px, y_px| Some(view.hit(x_px, y_px)?.0);
+    let (spacing_px, tolerance) = (options.gather_spacing_px, options.gather_tolerance);
+    let anchors = Anchors::new(camera.size, spacing_px, tolerance, &view.gatherer, hit, watch)?;
     let pixels = view.all_pixels(&anchors, watch)?;
     let (rendering, mask_pixels, gathers_between) = assemble(camera.size, lamps.len(), &options.bounces, &pixels);
     let gathers = anchors.gathers() + gathers_between;
