@@ -1,5 +1,7 @@
 //! Form factors and bounces of shapes whose light is known in closed form.
 
+use proptest::{prelude::*, test_runner::RngSeed};
+
 use super::*;
 use crate::{Mesh, Unwatched, scene::Shape};
 
@@ -49,6 +51,19 @@ fn a_long_right_angled_groove_sends_itself_1_minus_sin_45_of_its_light() {
     let expected = 1.0 - 45f64.to_radians().sin();
     assert!((report.row_sum_mean - expected).abs() < 0.01 * expected, "{}", report.row_sum_mean);
 }
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 8, rng_seed: RngSeed::Fixed(5), ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_long_groove_of_any_angle_sends_itself_1_minus_the_sine_of_half_of_it(angle_deg in 20.0..160.0) {
+        let groove = Shape::Groove { wall_mm: 1.0, length_mm: 200.0, angle_deg };
+        let (_, report) = factors_of(&groove.mesh(800).unwrap());
+        let expected = 1.0 - (angle_deg / 2.0).to_radians().sin();
+        prop_assert!((report.row_sum_mean - expected).abs() < 0.01 * expected, "{} {}", report.row_sum_mean, expected);
+        prop_assert!(report.reciprocity_residual < 1e-3, "{}", report.reciprocity_residual);
+    }
+}
+
 #[test]
 fn light_goes_both_ways_alike() {
     // From either side, by an independent rule: the point form factor integrated over 256 points of the sender.

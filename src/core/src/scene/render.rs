@@ -23,8 +23,8 @@ pub struct RenderOptions {
     pub bounces: BounceOptions,
     /// Samples along each side of a pixel: direct light, shadows, normals and depth are means over their square.
     pub samples_per_pixel_side: usize,
-    /// Indirect light is gathered at every so-manieth pixel along rows and columns, and at pixels between them only where
-    /// these lie on different surfaces or differ by more than `gather_tolerance`; 1 gathers in every pixel.
+    /// Indirect light is gathered at every pixel of this step along rows and columns, and at those between only where the
+    /// ones around lie on different surfaces or differ by more than `gather_tolerance`; 1 gathers in every pixel.
     pub gather_spacing_px: usize,
     /// How much the light gathered around a pixel may differ, as a fraction of it or of the picture's mean, for the pixel
     /// to take its bilinear mean. That errs by about an eighth of its square where the light is smooth, and by half of it
