@@ -22,6 +22,8 @@ pub mod normal_map;
 pub mod normals;
 pub mod photo;
 pub mod plane;
+pub mod radiosity;
+pub mod scene;
 pub mod separate;
 pub mod shape;
 pub mod watch;
