@@ -9,16 +9,13 @@ use super::{Picture, Pictures, Report, ShapeWords};
 use crate::pipeline::{PipelineError, Solved, Surfaced};
 use crate::set::CaptureSet;
 
-/// How much brighter than bounce 1 the composite shows the indirect light. The paper's Figure 1 takes 10; deep cavities need less.
-const COMPOSITE_AMPLIFICATION: f32 = 3.0;
-
 /// A run at a glance: the first light's photo, its bounces as in the paper's Figure 1, normals before and after.
 pub fn overview(solved: &Solved) -> Picture {
     let pictures = Pictures::of(&solved.object.mask);
     let bounces = &solved.separated.lights[0].bounces;
     let mut shown = vec![pictures.light(&solved.object.photos[0][0].linear)];
     if bounces.len() > 1 {
-        shown.push(pictures.composite(&bounces[0], &sum_of(&bounces[1..]), COMPOSITE_AMPLIFICATION));
+        shown.push(pictures.composite(&bounces[0], &sum_of(&bounces[1..])).0);
     }
     let surfaces = [solved.before.as_ref(), solved.after.as_ref().ok()];
     shown.extend(surfaces.into_iter().flatten().map(|surfaced| pictures.normals(&surfaced.shape.normals.map)));
@@ -99,8 +96,8 @@ fn light_section(
         shown.push((format!("Bounce {k}{brighter}"), pictures.light_with_white(bounce, own).data_address()?));
     }
     if bounces.len() > 1 {
-        let composite = pictures.composite(&bounces[0], &sum_of(&bounces[1..]), COMPOSITE_AMPLIFICATION);
-        let caption = format!("Bounce 1 red, later bounces cyan ({COMPOSITE_AMPLIFICATION} times)");
+        let (composite, amplification) = pictures.composite(&bounces[0], &sum_of(&bounces[1..]));
+        let caption = format!("Bounce 1 red, later bounces cyan, {amplification:.1} times brightened");
         shown.push((caption, composite.data_address()?));
     }
     let words = &report.separation[name];

@@ -12,22 +12,25 @@ const LARGEST_SIDE: usize = 420;
 /// The brightest share of pixels may be clipped in a picture.
 const CLIPPED_SHARE: f64 = 0.002;
 
-/// A small picture for people: linear red, green and blue, 0 to 1.
+/// A small picture for people: linear grey, or red, green and blue, 0 to 1.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    rgb: [Plane; 3],
+    channels: Vec<Plane>,
 }
 
 impl Picture {
     fn grey(plane: &Plane, exposure: f32) -> Self {
-        let grey = shrunk(plane, exposure);
-        Self { rgb: [grey.clone(), grey.clone(), grey] }
+        Self { channels: vec![shrunk(plane, exposure)] }
+    }
+
+    /// Red, green or blue.
+    fn channel(&self, c: usize) -> &Plane {
+        self.channels.get(c).unwrap_or(&self.channels[0])
     }
 
     /// An 8-bit PNG.
     pub fn png(&self) -> Result<Vec<u8>, ImageError> {
-        let [red, green, blue] = &self.rgb;
-        preview_png(&[red, green, blue], 1.0)
+        preview_png(&self.channels.iter().collect::<Vec<_>>(), 1.0)
     }
 
     /// The PNG as an address that a page can hold.
@@ -38,12 +41,12 @@ impl Picture {
     /// Pictures of one height side by side, a few dark pixels between.
     pub fn row(pictures: &[Self]) -> Self {
         const GAP: usize = 6;
-        let height = pictures.iter().map(|picture| picture.rgb[0].height()).max().unwrap_or(0);
-        let width = pictures.iter().map(|picture| picture.rgb[0].width() + GAP).sum::<usize>().saturating_sub(GAP);
+        let height = pictures.iter().map(|picture| picture.channels[0].height()).max().unwrap_or(0);
+        let width = pictures.iter().map(|picture| picture.channels[0].width() + GAP).sum::<usize>().saturating_sub(GAP);
         let channel = |c: usize| {
             let mut row = Plane::filled(width, height, 0.0);
             let mut left = 0;
-            for plane in pictures.iter().map(|picture| &picture.rgb[c]) {
+            for plane in pictures.iter().map(|picture| picture.channel(c)) {
                 for y in 0..plane.height() {
                     let start = y * width + left;
                     row.data_mut()[start..start + plane.width()].copy_from_slice(plane.row(y));
@@ -52,7 +55,7 @@ impl Picture {
             }
             row
         };
-        Self { rgb: [0, 1, 2].map(channel) }
+        Self { channels: (0..3).map(channel).collect() }
     }
 }
 
@@ -78,11 +81,13 @@ impl<'a> Pictures<'a> {
         Picture::grey(plane, 1.0 / white)
     }
 
-    /// Figure 1 of the paper: bounce 1 in red, the indirect light in cyan, `amplification` times as bright.
-    pub fn composite(&self, direct: &Plane, indirect: &Plane, amplification: f32) -> Picture {
+    /// Figure 1 of the paper: bounce 1 in red, the indirect light in cyan; and how many times brighter the cyan is shown, so
+    /// that it fills the range too (the paper takes 10 times).
+    pub fn composite(&self, direct: &Plane, indirect: &Plane) -> (Picture, f32) {
+        let amplification = (self.white(direct) / self.white(indirect)).clamp(0.1, 10.0);
         let exposure = 1.0 / self.white(direct);
         let cyan = shrunk(indirect, exposure * amplification);
-        Picture { rgb: [shrunk(direct, exposure), cyan.clone(), cyan] }
+        (Picture { channels: vec![shrunk(direct, exposure), cyan.clone(), cyan] }, amplification)
     }
 
     /// Normals as colours, (n + 1) / 2; black where there is none.
@@ -97,7 +102,7 @@ impl<'a> Pictures<'a> {
             let encoded = Plane::from_vec(plane.width(), plane.height(), data.collect());
             shrunk(encoded.as_ref().unwrap_or(plane), 1.0)
         };
-        Picture { rgb: [encode(map.x()), encode(map.y()), encode(map.z())] }
+        Picture { channels: vec![encode(map.x()), encode(map.y()), encode(map.z())] }
     }
 
     /// Depth from far (dark) to near (bright); black outside `mask`.
