@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use firstbounce_capture::CaptureSet;
 use firstbounce_capture::image_file::GreenAxis;
 use firstbounce_capture::pipeline::{OutputOptions, SolveOptions, solve, write_solved};
 use firstbounce_capture::report::Report;
+use firstbounce_capture::{CaptureSet, OutputFolder};
 use firstbounce_core::indirect::IndirectOptions;
 
 use super::progress::Terminal;
@@ -72,10 +72,11 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
 
 /// Solves a set and writes the results into `folder`.
 pub fn solve_into(set: &CaptureSet, folder: &Path, options: &SolveOptions, green: GreenAxis) -> anyhow::Result<Report> {
+    let output = OutputFolder::stage(folder)?;
     let terminal = Terminal::attend();
     let solved = solve(set, options, &terminal);
     let report =
-        solved.and_then(|mut solved| write_solved(set, &mut solved, folder, OutputOptions { green }, &terminal));
+        solved.and_then(|mut solved| write_solved(set, &mut solved, output, OutputOptions { green }, &terminal));
     terminal.finish();
     Ok(report?)
 }

@@ -20,17 +20,17 @@ pub struct OutputOptions {
     pub green: GreenAxis,
 }
 
-/// Writes every result into `folder` and returns the report that lies there too. Until all of it is written, nothing in
-/// the folder changes.
+/// Writes every result into `folder`, which was staged before the work began so that an unwritable one is known early, and
+/// returns the report that lies there too. Until all of it is written, nothing in the folder changes.
 pub fn write_solved(
     set: &CaptureSet,
     solved: &mut Solved,
-    folder: &Path,
+    folder: OutputFolder,
     options: OutputOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Report, PipelineError> {
     let mut stages = std::mem::take(&mut solved.stages);
-    let mut files = Files { folder: OutputFolder::stage(folder)?, written: IndexMap::new() };
+    let mut files = Files { folder, written: IndexMap::new() };
     let written =
         StageCost::measure(&mut stages, Stage::Write, || write_results(set, solved, &mut files, options, watch));
     solved.stages = stages;

@@ -34,6 +34,7 @@ pub(super) fn measure_direction(
 ) -> Result<MeasuredDirection, PipelineError> {
     let mut measured = MeasuredDirection::default();
     let mut sources = Vec::new();
+    let mut pixels = None;
     if let Some((ball, photo)) = mirror.and_then(|ball| Some((ball, ball.any_photo(l)?))) {
         let options = HighlightOptions {
             circle_sd_px: ball.circle_sd_px,
@@ -63,6 +64,7 @@ pub(super) fn measure_direction(
         let report = direction_from_shading(photo, &ball.ball, &options)
             .map_err(|reason| PipelineError::calibrate(&light.name, SphereKind::Grey, reason))?;
         sources.push(sourced(DirectionSource::Shading, report.direction));
+        pixels = Some(report.pixels);
     }
     if sources.is_empty() {
         return Ok(measured);
@@ -82,7 +84,7 @@ pub(super) fn measure_direction(
             (_, DirectionSource::Shading) => Source::Shading,
             _ => Source::MirrorBall,
         },
-        pixels: None,
+        pixels,
     });
     Ok(measured)
 }

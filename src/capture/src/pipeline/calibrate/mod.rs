@@ -57,7 +57,7 @@ pub struct Known<T> {
     pub interval: Option<[T; 2]>,
     /// Where it comes from.
     pub source: Source,
-    /// The ball's pixels, used and refused by reason; `None` where none were looked at, or for a highlight.
+    /// The ball's pixels, used and refused by reason; `None` where none were looked at. Of a direction, the grey ball's.
     pub pixels: Option<BallPixels>,
 }
 
