@@ -24,6 +24,8 @@ pub mod photo;
 pub mod plane;
 pub mod separate;
 pub mod shape;
+pub mod statistics;
+pub mod trust;
 pub mod watch;
 
 pub use camera::{Camera, Projection};
