@@ -47,6 +47,11 @@ impl Estimate {
         Self { value, interval: Interval::around(value, sd * coverage_factor(groups)) }
     }
 
+    /// Standard deviation of the normal distribution whose 95 % lie in the interval.
+    pub fn sd(&self) -> f64 {
+        (self.interval.high - self.interval.low) / (2.0 * 1.96)
+    }
+
     /// Half of the interval's width over the value.
     pub fn relative_half_width(&self) -> f64 {
         (self.interval.high - self.interval.low) / (2.0 * self.value.abs())

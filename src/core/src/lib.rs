@@ -26,6 +26,8 @@ pub mod radiosity;
 pub mod scene;
 pub mod separate;
 pub mod shape;
+pub mod statistics;
+pub mod trust;
 pub mod watch;
 
 pub use camera::{Camera, Projection};

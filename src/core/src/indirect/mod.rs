@@ -113,6 +113,22 @@ impl TypicalNoise {
     }
 }
 
+/// Predicted noise (standard deviation) of the quiet L_1 where the indirect light is even: a pixel in the middle of a wall.
+/// `sigma` is the noise of each colour's photo in its own linear light.
+pub fn quiet_noise(system: &BounceSystem, sigma: &[f64], options: &IndirectOptions) -> f64 {
+    let typical = TypicalNoise::of(system, sigma);
+    if options.radius_px == 0 {
+        return typical.direct.sqrt();
+    }
+    (typical.total + averaged_share(options) * typical.indirect).min(typical.direct).sqrt()
+}
+
+/// What is left of a variance that two window means in a row average: a triangle of this width in x and in y.
+fn averaged_share(options: &IndirectOptions) -> f64 {
+    let side = (2 * options.radius_px + 1) as f64;
+    ((2.0 * side * side + 1.0) / (3.0 * side.powi(3))).powi(2)
+}
+
 /// Takes most of the noise of the indirect light out of L_1 of a light that was separated.
 pub fn quieten_direct(
     light: &LightPhotos,
@@ -166,9 +182,7 @@ fn apply(
     options: &IndirectOptions,
 ) -> (Plane, Plane) {
     let (width, height) = total.size();
-    // Noise of the two averaged window means: a triangle of this width in x and in y.
-    let side = (2 * options.radius_px + 1) as f64;
-    let averaged = ((2.0 * side * side + 1.0) / (3.0 * side.powi(3))).powi(2) * typical.indirect;
+    let averaged = averaged_share(options) * typical.indirect;
     let mut direct = Plane::filled(width, height, 0.0);
     let mut noise = Plane::filled(width, height, 0.0);
     (direct.data_mut(), noise.data_mut()).into_par_iter().enumerate().for_each(|(pixel, (direct, noise))| {

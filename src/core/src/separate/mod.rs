@@ -1,10 +1,12 @@
 //! Separation: what each pixel's colours say about light that bounced once, twice, ... m times.
 
 mod apply;
+mod polynomial;
 mod system;
 
 use thiserror::Error;
 
+pub use polynomial::PixelPolynomial;
 pub use system::{BounceSystem, LEAST_BETA_DISTANCE, check_order, closest_pair};
 
 use crate::noise::NoiseModel;
@@ -189,18 +191,21 @@ impl LightPhotos<'_> {
 
     /// The noise of each colour at the object's typical light, in that photo's linear light: the weights of the fit.
     pub fn typical_sigma(&self) -> Vec<f64> {
-        let typical = |photo: &Photo| {
-            // A sparse sample is enough for a weight, and spares a pass over memory.
-            let step = (photo.linear.data().len() / 50_000).max(1);
-            let good = (0..photo.linear.data().len())
-                .step_by(step)
-                .filter(|&pixel| self.mask.data()[pixel] && photo.marks[pixel] == 0)
-                .map(|pixel| f64::from(photo.linear.data()[pixel]));
-            let (sum, count) = good.fold((0.0, 0usize), |(sum, count), light| (sum + light, count + 1));
-            sum / count.max(1) as f64
-        };
-        self.photos.iter().zip(self.noise).map(|(photo, noise)| noise.sigma(typical(photo))).collect()
+        let light = self.photos.iter().map(|photo| typical_light(photo, self.mask));
+        light.zip(self.noise).map(|(light, noise)| noise.sigma(light)).collect()
     }
+}
+
+/// Mean linear light of the object's good pixels.
+pub fn typical_light(photo: &Photo, mask: &Mask) -> f64 {
+    // A sparse sample is enough for a mean, and spares a pass over memory.
+    let step = (photo.linear.data().len() / 50_000).max(1);
+    let good = (0..photo.linear.data().len())
+        .step_by(step)
+        .filter(|&pixel| mask.data()[pixel] && photo.marks[pixel] == 0)
+        .map(|pixel| f64::from(photo.linear.data()[pixel]));
+    let (sum, count) = good.fold((0.0, 0usize), |(sum, count), light| (sum + light, count + 1));
+    sum / count.max(1) as f64
 }
 
 /// Separates the light of one lamp into `options.bounces` bounces (CVPR 2011, equation 25, for any m <= n by
