@@ -6,7 +6,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::write_file;
 use firstbounce_capture::pipeline::{Calibrated, Preference, calibrate};
 use firstbounce_capture::report::{CalibrationWords, Row};
-use firstbounce_capture::set::{Calibration, write_calibration};
+use firstbounce_capture::set::write_calibration;
 
 use super::progress::Terminal;
 use super::table::{row, table};
@@ -43,26 +43,8 @@ fn write(set: &CaptureSet, calibrated: &Calibrated) -> anyhow::Result<()> {
     let path = set.file_path();
     let old = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let circles: Vec<_> = calibrated.circles.iter().map(|ball| ball.sphere).collect();
-    let new = write_calibration(&old, &values(set, calibrated), &circles)?;
+    let new = write_calibration(&old, &calibrated.values(set), &circles)?;
     Ok(write_file(&path, new.as_bytes())?)
-}
-
-/// The values in force, by the words of the file. A light whose position or direction the file gives keeps that alone.
-fn values(set: &CaptureSet, calibrated: &Calibrated) -> Calibration {
-    let lights = || set.lights.iter();
-    let values =
-        |known: &Vec<firstbounce_capture::pipeline::Known<f64>>| known.iter().map(|known| known.value).collect();
-    let by_light = lights().zip(&calibrated.alpha);
-    Calibration {
-        beta: calibrated.beta.as_ref().map(values),
-        alpha: by_light.filter_map(|(l, known)| Some((l.name.clone(), values(known.as_ref()?)))).collect(),
-        direction: lights()
-            .zip(&calibrated.direction)
-            .filter(|(light, _)| light.direction.is_none() && light.position_mm.is_none())
-            .filter_map(|(light, known)| Some((light.name.clone(), known.as_ref()?.value)))
-            .collect(),
-        intensity: lights().zip(&calibrated.intensity).map(|(l, known)| (l.name.clone(), known.value)).collect(),
-    }
 }
 
 fn text(words: &CalibrationWords) -> String {

@@ -2,9 +2,11 @@
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::set::Subject;
+use firstbounce_capture::pipeline::{Exposed, survey};
+use firstbounce_capture::set::{Shot, Subject};
 use serde::Serialize;
 
+use super::progress::Terminal;
 use super::table::{row, table};
 use super::{PrintArgs, SetArgs, print, print_json};
 
@@ -25,6 +27,7 @@ struct Info {
     colours: Vec<String>,
     bounces: usize,
     subjects: Vec<SubjectInfo>,
+    shots: Vec<ShotInfo>,
     mask: Option<String>,
     missing_files: Vec<String>,
     lacks: Vec<String>,
@@ -37,9 +40,28 @@ struct SubjectInfo {
     files: usize,
 }
 
+/// One photo and how well it is exposed. Shares are of the mask's pixels, or of the ball's, where they are known.
+#[derive(Debug, Serialize)]
+struct ShotInfo {
+    subject: String,
+    light: Option<String>,
+    colour: Option<String>,
+    channel: String,
+    exposure: f64,
+    repeats: usize,
+    clipped: Option<f64>,
+    dark: Option<f64>,
+    mean: Option<f64>,
+    problem: Option<String>,
+}
+
 /// Runs the command.
 pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
     let set = CaptureSet::open(&args.set.path)?;
+    let terminal = Terminal::attend();
+    let exposed = survey(&set, &terminal);
+    terminal.finish();
+    let shots = set.shots.iter().zip(exposed?).map(|(shot, exposed)| shot_info(&set, shot, exposed));
     let info = Info {
         name: set.title(),
         folder: set.folder.display().to_string(),
@@ -47,6 +69,7 @@ pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
         colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
         bounces: set.bounces(),
         subjects: set.subjects().into_iter().map(|subject| subject_info(&set, subject)).collect(),
+        shots: shots.collect(),
         mask: set.mask.clone(),
         missing_files: missing_files(&set),
         lacks: lacks(&set),
@@ -59,6 +82,22 @@ fn subject_info(set: &CaptureSet, subject: Subject) -> SubjectInfo {
     files.sort_unstable();
     files.dedup();
     SubjectInfo { subject: subject.to_string(), shots: set.shots_of(subject).count(), files: files.len() }
+}
+
+fn shot_info(set: &CaptureSet, shot: &Shot, exposed: Result<Exposed, String>) -> ShotInfo {
+    let number = |value: fn(&Exposed) -> f64| exposed.as_ref().ok().map(value);
+    ShotInfo {
+        subject: shot.subject.to_string(),
+        light: shot.light.clone(),
+        colour: shot.colour.clone(),
+        channel: set.channel_of(shot).to_string(),
+        exposure: shot.exposure,
+        repeats: shot.files.len(),
+        clipped: number(|exposed| exposed.clipped),
+        dark: number(|exposed| exposed.dark),
+        mean: number(|exposed| exposed.mean),
+        problem: exposed.err(),
+    }
 }
 
 fn missing_files(set: &CaptureSet) -> Vec<String> {
@@ -98,6 +137,37 @@ fn lacks(set: &CaptureSet) -> Vec<String> {
     wants.into_iter().filter(|(lacking, _)| *lacking).map(|(_, what)| what.to_owned()).collect()
 }
 
+fn shot_rows(shots: &[ShotInfo]) -> Vec<Vec<String>> {
+    let heading = [
+        "subject",
+        "light",
+        "colour",
+        "channel",
+        "exposure",
+        "repeats",
+        "clipped, %",
+        "dark, %",
+        "mean light",
+        "problem",
+    ];
+    let percent = |share: Option<f64>| share.map_or_else(String::new, |share| format!("{:.1}", 100.0 * share));
+    let shot = |shot: &ShotInfo| {
+        row([
+            &shot.subject,
+            shot.light.as_deref().unwrap_or("-"),
+            shot.colour.as_deref().unwrap_or("-"),
+            &shot.channel,
+            &shot.exposure.to_string(),
+            &shot.repeats.to_string(),
+            &percent(shot.clipped),
+            &percent(shot.dark),
+            &shot.mean.map_or_else(String::new, |mean| format!("{mean:.4}")),
+            shot.problem.as_deref().unwrap_or(""),
+        ])
+    };
+    std::iter::once(row(heading)).chain(shots.iter().map(shot)).collect()
+}
+
 fn text(info: &Info) -> String {
     let mut rows = vec![row(["subject", "shots", "files"])];
     rows.extend(
@@ -111,6 +181,9 @@ fn text(info: &Info) -> String {
         format!("{} colours: {} (the first is the reference)", info.colours.len(), info.colours.join(", ")),
         format!("{} bounces to tell apart", info.bounces),
         table(&rows),
+        String::new(),
+        table(&shot_rows(&info.shots)),
+        String::new(),
     ];
     lines.extend(info.missing_files.iter().map(|file| format!("missing file: {file}")));
     lines.extend(info.lacks.iter().map(|what| format!("lacks {what}")));

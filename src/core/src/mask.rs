@@ -1,8 +1,12 @@
 //! Which pixels belong to the object.
 
+mod draw;
+
 use rayon::prelude::*;
 
 use crate::Plane;
+
+pub use draw::Combine;
 
 /// Steps of brightness between which the threshold is looked for.
 const HISTOGRAM_STEPS: usize = 1024;
@@ -38,9 +42,12 @@ impl Mask {
     /// The pixels brighter than what best parts the picture in two (N. Otsu, "A threshold selection method from
     /// gray-level histograms", IEEE Trans. SMC 9(1), 1979): an object on a dark ground.
     pub fn brighter_part(picture: &Plane) -> Self {
-        let threshold = otsu_threshold(picture.data());
-        let data = picture.data().par_iter().map(|&value| value > threshold).collect();
-        Self { width: picture.width(), height: picture.height(), data }
+        Self::brighter_than(picture, Self::best_threshold(picture))
+    }
+
+    /// What best parts a picture in two, as [`Self::brighter_part`] does.
+    pub fn best_threshold(picture: &Plane) -> f32 {
+        otsu_threshold(picture.data())
     }
 
     /// Pixels in a row.

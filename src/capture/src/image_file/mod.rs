@@ -7,6 +7,7 @@ mod correction;
 mod error;
 mod exr_in;
 mod exr_out;
+mod find;
 mod linearise;
 mod pfm;
 mod png_out;
@@ -27,8 +28,9 @@ pub use correction::{Corrections, DarkFrame, FlatField, dark_frame, flat_field};
 pub use error::ImageError;
 pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
+pub use find::pictures_in;
 pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
-pub use png_out::{GreenAxis, grey16_png, normals_png, preview_png};
+pub use png_out::{GreenAxis, grey16_png, mask_png, normals_png, preview_png};
 pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
 pub use repeats::{NoiseBin, RepeatNoise};
 
@@ -50,6 +52,9 @@ pub enum Format {
 }
 
 impl Format {
+    /// Every format.
+    pub const ALL: [Self; 6] = [Self::Png, Self::Tiff, Self::Exr, Self::Jpeg, Self::Hdr, Self::Pfm];
+
     /// The names that files of this format end in, the usual one first.
     pub fn extensions(self) -> &'static [&'static str] {
         match self {

@@ -1,6 +1,6 @@
 //! Planes to PNG, into memory: normals and grey of 16 bits for other programs, previews of 8 bits for the eye.
 
-use firstbounce_core::Plane;
+use firstbounce_core::{Mask, Plane};
 use image::ExtendedColorType::{L8, L16, Rgb8, Rgb16};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
@@ -39,6 +39,17 @@ pub fn normals_png(normals: [&Plane; 3], green: GreenAxis) -> Result<Vec<u8>, Im
 pub fn grey16_png(plane: &Plane, white: f32) -> Result<Vec<u8>, ImageError> {
     let store = |value: f32| (value / white * 65535.0).round() as u16;
     encode_rows("grey", &[plane], L16, |[value]| [store(value).to_ne_bytes()])
+}
+
+/// A mask as an 8-bit grey PNG: 255 inside, 0 outside.
+///
+/// # Errors
+/// [`ImageError::UnequalPlanes`] for a mask without pixels.
+pub fn mask_png(mask: &Mask) -> Result<Vec<u8>, ImageError> {
+    let (width, height) = mask.size();
+    let data = mask.data().iter().map(|&inside| f32::from(u8::from(inside))).collect();
+    let plane = Plane::from_vec(width, height, data).unwrap_or_else(|| Plane::filled(0, 0, 0.0));
+    encode_rows("mask", &[&plane], L8, |[inside]| [[(inside * 255.0) as u8]])
 }
 
 /// A picture for the eye: an 8-bit sRGB PNG of linear light times `exposure`, from one plane (grey) or three.

@@ -174,7 +174,7 @@ fn check_sizes(set: &CaptureSet, subject: Subject, photos: &SubjectPhotos) -> Re
 }
 
 /// The shots that share one list of files.
-fn load_group<'a>(
+pub(super) fn load_group<'a>(
     set: &CaptureSet,
     files: &[String],
     shots: &[&'a Shot],
@@ -245,18 +245,22 @@ fn load_dark(set: &CaptureSet, dark: &Shot, channel: Channel) -> Result<DarkFram
     dark_frame(images_of(set, dark), &LinearOptions { channel, ..linear_options(set, dark) })
 }
 
-/// The dark frame of the exposure nearest to the shot's: what a sensor gathers without light grows with it.
+/// The dark frame of the exposure nearest to the shot's: what a sensor gathers without light grows with it. Dark frames
+/// are looked at as they are.
 fn best_dark<'a>(set: &'a CaptureSet, shot: &Shot) -> Option<&'a Shot> {
     let distance = |dark: &&Shot| (dark.exposure / shot.exposure).ln().abs();
-    set.shots_of(Subject::Dark).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    let darks = set.shots_of(Subject::Dark).filter(|_| shot.subject != Subject::Dark);
+    darks.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// The flat field that agrees with the shot in the most of light and colour, and contradicts it in none.
+/// The flat field that agrees with the shot in the most of light and colour, and contradicts it in none. Dark frames and
+/// flat fields need none.
 fn best_flat<'a>(set: &'a CaptureSet, shot: &Shot) -> Option<&'a Shot> {
     let fits = |mine: &Option<String>, its: &Option<String>| its.is_none() || mine == its;
     let agreement = |flat: &&Shot| usize::from(flat.light.is_some()) + usize::from(flat.colour.is_some());
+    let corrected = !matches!(shot.subject, Subject::Dark | Subject::FlatField);
     set.shots_of(Subject::FlatField)
-        .filter(|flat| fits(&shot.light, &flat.light) && fits(&shot.colour, &flat.colour))
+        .filter(|flat| corrected && fits(&shot.light, &flat.light) && fits(&shot.colour, &flat.colour))
         .max_by_key(agreement)
 }
 

@@ -7,9 +7,12 @@ mod evaluate;
 mod load;
 mod output;
 mod solve;
+mod survey;
 mod watch;
 
-pub use calibrate::{BallCircle, Calibrated, Known, Preference, Source, calibrate, calibrate_for};
+pub use calibrate::{
+    BallCircle, Calibrated, Known, Preference, RatioEvidence, Source, Verdict, calibrate, calibrate_for,
+};
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, NormalErrors, evaluate};
@@ -19,4 +22,5 @@ pub use solve::{
     Direct, Separated, SolveOptions, Solved, Surfaced, camera_of, lamps, quiet_lights, raw_lights, recover,
     separate_lights, solve, triangulate,
 };
+pub use survey::{Exposed, region_of, survey, thumbnail};
 pub use watch::{PipelineWatch, Stage, Unattended};

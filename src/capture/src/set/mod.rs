@@ -9,11 +9,14 @@ mod consistency;
 mod edit;
 mod encoding;
 mod fields;
+mod guess;
 mod model;
 mod problem;
 mod query;
 mod read;
+mod rig;
 mod rule;
+mod table;
 mod word;
 mod write;
 
@@ -21,8 +24,11 @@ mod write;
 mod tests;
 
 pub use consistency::CLOSEST_BETA;
+pub use guess::{Became, Guess, GuessOptions, Pattern, PatternError, add_files, assign, propose};
 pub use model::*;
 pub use problem::{Location, Problem, SetError, TextPosition};
 pub use read::{FILE_NAME, Reading};
+pub use rig::CarriedRig;
+pub use table::{ShotCell, ShotRow, ShotTable};
 pub use word::Word;
 pub use write::{update_text, write_calibration};

@@ -1,6 +1,6 @@
 //! What the rest of the program asks of a capture set.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
 
@@ -19,6 +19,11 @@ impl CaptureSet {
     /// Where a path that the file writes lies: relative ones start from the set's folder.
     pub fn resolve(&self, written: &str) -> PathBuf {
         self.folder.join(written)
+    }
+
+    /// How the file writes a path: from the set's folder where it lies below it, with slashes on every system.
+    pub fn written(&self, path: &Path) -> String {
+        path.strip_prefix(&self.folder).unwrap_or(path).to_string_lossy().replace('\\', "/")
     }
 
     /// The index of the light of this name.

@@ -11,8 +11,11 @@ use rayon::prelude::*;
 use super::super::{PipelineError, PipelineWatch, Stage};
 use super::balls::BallShots;
 use super::direction::{MeasuredDirection, measure_direction};
-use super::{Calibrated, Known, Preference, Source};
+use super::{Calibrated, Known, Preference, RatioEvidence, Source};
 use crate::set::{CaptureSet, SphereKind};
+
+/// Values by colour, where there are any, and the ratios behind them.
+type Measured = (Option<Vec<Known<f64>>>, Vec<RatioEvidence>);
 
 /// A calibration on its way.
 pub(super) struct Measuring<'a> {
@@ -53,9 +56,14 @@ impl<'a> Measuring<'a> {
     }
 
     pub fn run(mut self) -> Result<Calibrated, PipelineError> {
-        self.calibrated.alpha =
-            (0..self.set.lights.len()).into_par_iter().map(|l| self.alpha(l)).collect::<Result<_, _>>()?;
-        self.calibrated.beta = self.beta()?;
+        let alphas = (0..self.set.lights.len()).into_par_iter().map(|l| self.alpha(l));
+        for (alpha, evidence) in alphas.collect::<Result<Vec<_>, PipelineError>>()? {
+            self.calibrated.alpha.push(alpha);
+            self.calibrated.ratios.extend(evidence);
+        }
+        let (beta, evidence) = self.beta()?;
+        self.calibrated.beta = beta;
+        self.calibrated.ratios.extend(evidence);
         let directions = self.directions()?;
         self.intensities(&directions)?;
         for direction in directions {
@@ -77,61 +85,65 @@ impl<'a> Measuring<'a> {
         self.preference == Preference::Balls || !given
     }
 
-    fn alpha(&self, l: usize) -> Result<Option<Vec<Known<f64>>>, PipelineError> {
+    fn alpha(&self, l: usize) -> Result<Measured, PipelineError> {
         let colours = self.set.colours.len();
         if colours == 1 {
-            return Ok(Some(vec![Known::by_definition()]));
+            return Ok((Some(vec![Known::by_definition()]), Vec::new()));
         }
         let light = &self.set.lights[l].name;
         let given = self.set.calibration.alpha.get(light);
-        let measured = match &self.grey {
-            Some(ball) if self.wants_balls(given.is_some()) => self.ratios(ball, l, Source::GreyBall)?,
+        let evidence = match &self.grey {
+            Some(ball) if self.wants_balls(given.is_some()) => self.ratios(ball, l)?,
             _ => None,
         };
-        Ok(self.choose(given.map(|values| values.iter().copied().map(Known::from_file).collect()), measured))
+        let measured = evidence.as_deref().map(|evidence| known_ratios(evidence, Source::GreyBall));
+        let given = given.map(|values| values.iter().copied().map(Known::from_file).collect());
+        Ok((self.choose(given, measured), evidence.unwrap_or_default()))
     }
 
-    /// The ratios of each colour over the reference colour on a ball under light `l`; `None` without photos of it.
-    fn ratios(&self, ball: &BallShots, l: usize, source: Source) -> Result<Option<Vec<Known<f64>>>, PipelineError> {
+    /// The ratios of each other colour over the reference colour on a ball under light `l`; `None` without photos of it.
+    fn ratios(&self, ball: &BallShots, l: usize) -> Result<Option<Vec<RatioEvidence>>, PipelineError> {
         let Some(reference) = ball.photo(l, 0) else { return Ok(None) };
         let light = &self.set.lights[l].name;
         let ratio = |c: usize| {
             let Some(photo) = ball.photo(l, c) else { return Ok(None) };
             let report = measure_ratio(reference, photo, &ball.ball, &RatioOptions::default())
                 .map_err(|reason| PipelineError::calibrate(light, ball.kind, reason))?;
-            Ok(Some(Known::measured(report.ratio, source, Some(report.pixels))))
+            Ok(Some(RatioEvidence { ball: ball.kind, light: l, colour: c, report }))
         };
-        let others = (1..self.set.colours.len()).map(ratio).collect::<Result<Option<Vec<_>>, PipelineError>>()?;
-        Ok(others.map(|others| std::iter::once(Known::by_definition()).chain(others).collect()))
+        (1..self.set.colours.len()).map(ratio).collect()
     }
 
-    fn beta(&self) -> Result<Option<Vec<Known<f64>>>, PipelineError> {
+    fn beta(&self) -> Result<Measured, PipelineError> {
         let colours = self.set.colours.len();
         if colours == 1 {
-            return Ok(Some(vec![Known::by_definition()]));
+            return Ok((Some(vec![Known::by_definition()]), Vec::new()));
         }
         let given = &self.set.calibration.beta;
-        let measured = match &self.material {
+        let (measured, evidence) = match &self.material {
             Some(ball) if self.wants_balls(given.is_some()) => self.measured_beta(ball)?,
-            _ => None,
+            _ => (None, Vec::new()),
         };
-        Ok(self.choose(given.as_ref().map(|values| values.iter().copied().map(Known::from_file).collect()), measured))
+        let given = given.as_ref().map(|values| values.iter().copied().map(Known::from_file).collect());
+        Ok((self.choose(given, measured), evidence))
     }
 
     /// Pooled over the lights that have both balls.
-    fn measured_beta(&self, ball: &BallShots) -> Result<Option<Vec<Known<f64>>>, PipelineError> {
+    fn measured_beta(&self, ball: &BallShots) -> Result<Measured, PipelineError> {
         let lights: Vec<_> = (0..self.set.lights.len()).collect();
-        let ratios = lights
-            .par_iter()
-            .map(|&l| self.ratios(ball, l, Source::MaterialBall))
-            .collect::<Result<Vec<_>, PipelineError>>()?;
+        let evidence = lights.par_iter().map(|&l| self.ratios(ball, l)).collect::<Result<Vec<_>, PipelineError>>()?;
+        let ratios: Vec<_> = evidence
+            .iter()
+            .map(|evidence| evidence.as_deref().map(|evidence| known_ratios(evidence, Source::MaterialBall)))
+            .collect();
+        let evidence = evidence.into_iter().flatten().flatten().collect();
         let mut beta = vec![Known::by_definition()];
         for c in 1..self.set.colours.len() {
             let both = ratios.iter().zip(&self.calibrated.alpha);
             let both: Vec<_> =
                 both.filter_map(|(paint, alpha)| Some((&paint.as_ref()?[c], &alpha.as_ref()?[c]))).collect();
             if both.is_empty() {
-                return Ok(None);
+                return Ok((None, evidence));
             }
             let pairs: Vec<(Estimate, Estimate)> = both.iter().map(|(p, a)| (p.estimate(), a.estimate())).collect();
             let pooled =
@@ -139,7 +151,7 @@ impl<'a> Measuring<'a> {
             let pixels = both.first().and_then(|(paint, _)| paint.pixels.clone());
             beta.push(Known::measured(pooled, Source::MaterialBall, pixels));
         }
-        Ok(Some(beta))
+        Ok((Some(beta), evidence))
     }
 
     /// What the balls say of every light's direction; the directions in force go into `calibrated`.
@@ -212,6 +224,14 @@ impl<'a> Measuring<'a> {
             .map_err(|reason| PipelineError::calibrate(&light.name, SphereKind::Grey, reason))?;
         Ok(Some(report))
     }
+}
+
+/// The reference colour's 1 and the measured ratios of the others.
+fn known_ratios(evidence: &[RatioEvidence], source: Source) -> Vec<Known<f64>> {
+    let measured = |RatioEvidence { report, .. }: &RatioEvidence| {
+        Known::measured(report.ratio, source, Some(report.pixels.clone()))
+    };
+    std::iter::once(Known::by_definition()).chain(evidence.iter().map(measured)).collect()
 }
 
 fn unit(vector: [f64; 3]) -> [f64; 3] {

@@ -3,13 +3,16 @@
 mod balls;
 mod direction;
 mod measure;
+mod verdict;
 
 use firstbounce_core::ball::CircleReport;
-use firstbounce_core::calibrate::{BallPixels, HighlightReport};
+use firstbounce_core::calibrate::{BallPixels, Highlight, HighlightReport, RatioReport};
 use firstbounce_core::interval::Estimate;
 
 use super::{PipelineError, PipelineWatch};
-use crate::set::{CaptureSet, Sphere};
+use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
+
+pub use verdict::Verdict;
 
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +96,20 @@ pub struct BallCircle {
     pub found: Option<CircleReport>,
 }
 
+/// What one colour's photo of a ball says against the reference colour's: alpha on the grey ball, alpha times beta on the
+/// ball of the paint. For the histogram and the tinted pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RatioEvidence {
+    /// Which ball.
+    pub ball: SphereKind,
+    /// Index of the light.
+    pub light: usize,
+    /// Index of the colour.
+    pub colour: usize,
+    /// The ratio in every pixel, and the pixels used and refused.
+    pub report: RatioReport,
+}
+
 /// All that is known of a rig and a paint. Lights and colours in the order of the set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibrated {
@@ -106,6 +123,8 @@ pub struct Calibrated {
     pub direction: Vec<Option<Known<[f64; 3]>>>,
     /// By light: the bright spots on the mirror ball, the chosen one first; `None` where there is no mirror ball.
     pub highlights: Vec<Option<HighlightReport>>,
+    /// Every ratio that was measured; what the file gives is not, unless the balls were asked for.
+    pub ratios: Vec<RatioEvidence>,
     /// The balls' circles.
     pub circles: Vec<BallCircle>,
     /// What a person should know before trusting the values.
@@ -123,6 +142,55 @@ impl Calibrated {
     /// beta of every colour.
     pub fn beta_values(&self) -> Result<Vec<f64>, PipelineError> {
         Ok(self.beta.as_ref().ok_or(PipelineError::NoBeta)?.iter().map(|known| known.value).collect())
+    }
+
+    /// The values in force, by the words of the file. A light whose position or direction the file gives keeps that alone.
+    pub fn values(&self, set: &CaptureSet) -> Calibration {
+        let lights = || set.lights.iter();
+        let values = |known: &Vec<Known<f64>>| known.iter().map(|known| known.value).collect();
+        let by_light = lights().zip(&self.alpha);
+        Calibration {
+            beta: self.beta.as_ref().map(values),
+            alpha: by_light.filter_map(|(l, known)| Some((l.name.clone(), values(known.as_ref()?)))).collect(),
+            direction: lights()
+                .zip(&self.direction)
+                .filter(|(light, _)| light.direction.is_none() && light.position_mm.is_none())
+                .filter_map(|(light, known)| Some((light.name.clone(), known.as_ref()?.value)))
+                .collect(),
+            intensity: lights().zip(&self.intensity).map(|(l, known)| (l.name.clone(), known.value)).collect(),
+        }
+    }
+
+    /// The same with what `set` gives put in force, at once and without looking at a ball again: for a value that is being
+    /// typed. Lights and colours must be those that were calibrated.
+    pub fn with_given(mut self, set: &CaptureSet) -> Self {
+        let lights = set.lights.len();
+        let from_file = |values: &Vec<f64>| values.iter().copied().map(Known::from_file).collect();
+        self.alpha.resize(lights, None);
+        self.direction.resize(lights, None);
+        let assumed = Known { value: 1.0, interval: None, source: Source::Assumed, pixels: None };
+        self.intensity.resize(lights, assumed);
+        for (l, light) in set.lights.iter().enumerate() {
+            if let Some(alpha) = set.calibration.alpha.get(&light.name) {
+                self.alpha[l] = Some(from_file(alpha));
+            }
+            if let Some(direction) = set.given_direction(&light.name) {
+                self.direction[l] = Some(Known::from_file(direction));
+            }
+            if let Some(intensity) = set.calibration.intensity.get(&light.name) {
+                self.intensity[l] = Known::from_file(*intensity);
+            }
+        }
+        if let Some(beta) = &set.calibration.beta {
+            self.beta = Some(from_file(beta));
+        }
+        self
+    }
+
+    /// The likeliest highlight of light `l` that is not among those that a person deleted, by their place in the report.
+    pub fn highlight_without(&self, l: usize, deleted: &[usize]) -> Option<&Highlight> {
+        let candidates = &self.highlights.get(l)?.as_ref()?.candidates;
+        candidates.iter().enumerate().find(|(index, _)| !deleted.contains(index)).map(|(_, highlight)| highlight)
     }
 }
 

@@ -1,0 +1,99 @@
+//! Subject, light and colour from the names of files, by a pattern that a person can see and change.
+
+mod pattern;
+mod propose;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+pub use pattern::{Guess, Pattern, PatternError};
+pub use propose::propose;
+
+use super::model::{CaptureSet, Channel, Colour, Light, Shot, Subject};
+
+/// How files become shots.
+#[derive(Clone, Debug)]
+pub struct GuessOptions {
+    /// How their names are built.
+    pub pattern: Pattern,
+    /// What files show whose pattern has no `{subject}`.
+    pub subject: Subject,
+    /// Whether a file that names no colour is an RGB photo under lamps of all colours at once: a shot for each colour.
+    pub rgb: bool,
+}
+
+/// What a file became.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Became {
+    /// A file of these shots of the set, by index; several for an RGB photo.
+    Shots(Vec<usize>),
+    /// Nothing: the name does not follow the pattern, or leaves out what the subject needs. In words.
+    Unassigned(String),
+}
+
+/// Makes shots of files and adds them to a set, with the lights and colours that they name; tells for each file what it
+/// became. A file that the set already names in the same shot is not added twice.
+pub fn add_files<P: AsRef<Path>>(set: &mut CaptureSet, files: &[P], options: &GuessOptions) -> Vec<Became> {
+    files
+        .iter()
+        .map(|file| match options.pattern.read(file.as_ref()) {
+            Some(guess) => add_file(set, file.as_ref(), &guess, options),
+            None => Became::Unassigned(format!("does not follow {}", options.pattern)),
+        })
+        .collect()
+}
+
+fn add_file(set: &mut CaptureSet, file: &Path, guess: &Guess, options: &GuessOptions) -> Became {
+    let subject = guess.subject.unwrap_or(options.subject);
+    let (light, colour) = match subject {
+        Subject::Dark => (None, None),
+        _ => (guess.light.as_deref(), guess.colour.as_deref()),
+    };
+    let matte = matches!(subject, Subject::Object | Subject::GreySphere | Subject::MaterialSphere);
+    if light.is_none() && (matte || subject == Subject::MirrorSphere) {
+        return Became::Unassigned(format!("a photo of {subject} needs a light"));
+    }
+    if matte && colour.is_none() {
+        if !options.rgb {
+            return Became::Unassigned(format!("a photo of {subject} needs a colour"));
+        }
+        let colours = rgb_colours(set);
+        let shots = colours.iter().map(|colour| assign(set, file, subject, light, Some(colour)));
+        return Became::Shots(shots.collect());
+    }
+    Became::Shots(vec![assign(set, file, subject, light, colour)])
+}
+
+/// Puts a file into the shot of a subject, light and colour, which is made if the set has none yet, as are light and
+/// colour. Returns the shot's index.
+pub fn assign(set: &mut CaptureSet, file: &Path, subject: Subject, light: Option<&str>, colour: Option<&str>) -> usize {
+    if let Some(name) = light.filter(|name| set.light_index(name).is_none()) {
+        set.lights.push(Light { name: name.to_owned(), ..Light::default() });
+    }
+    if let Some(name) = colour.filter(|name| set.colour_index(name).is_none()) {
+        set.colours.push(Colour { name: name.to_owned(), channel: Channel::Grey });
+    }
+    let written = set.written(file);
+    let same =
+        |shot: &Shot| shot.subject == subject && shot.light.as_deref() == light && shot.colour.as_deref() == colour;
+    let index = set.shots.iter().position(same).unwrap_or_else(|| {
+        let (light, colour) = (light.map(str::to_owned), colour.map(str::to_owned));
+        set.shots.push(Shot { subject, light, colour, ..Shot::default() });
+        set.shots.len() - 1
+    });
+    let files = &mut set.shots[index].files;
+    if !files.contains(&written) {
+        files.push(written);
+    }
+    index
+}
+
+/// The names of the colours that an RGB photo holds: those of the set, which is given red, green and blue if it has none.
+fn rgb_colours(set: &mut CaptureSet) -> Vec<String> {
+    if set.colours.is_empty() {
+        let channels = [("red", Channel::R), ("green", Channel::G), ("blue", Channel::B)];
+        set.colours = channels.map(|(name, channel)| Colour { name: name.into(), channel }).to_vec();
+    }
+    set.colours.iter().map(|colour| colour.name.clone()).collect()
+}

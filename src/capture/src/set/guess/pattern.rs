@@ -1,0 +1,249 @@
+//! The pattern of file names.
+
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+use regex::{Captures, Regex, RegexBuilder};
+use thiserror::Error;
+
+use super::super::model::Subject;
+use super::super::word::Word;
+
+/// How the names of files are built: text with the fields `{subject}`, `{light}`, `{colour}`, `{repeat}` and `{any}`, and
+/// in brackets what may be absent: `{subject}/{light}-{colour}[-{repeat}]`.
+///
+/// It is held against the end of a path without its extension: as many folders as it has slashes. Where several
+/// readings fit, the one whose colour is a word for a colour is taken, then the one with the shortest light.
+#[derive(Clone, Debug)]
+pub struct Pattern {
+    text: String,
+    fields: Vec<Field>,
+    folders: usize,
+    /// Tried in this order.
+    readings: [Regex; 2],
+}
+
+/// What a name may tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Field {
+    Subject,
+    Light,
+    Colour,
+    Repeat,
+    Any,
+}
+
+/// What a file's name tells.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Guess {
+    /// What it shows; `None` where the pattern does not say.
+    pub subject: Option<Subject>,
+    /// The light's name.
+    pub light: Option<String>,
+    /// The colour's name.
+    pub colour: Option<String>,
+    /// The number of the repeat.
+    pub repeat: Option<u64>,
+}
+
+/// Why a text is no pattern.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum PatternError {
+    /// An unknown word in braces.
+    #[error("unknown field {{{0}}}: there are {{subject}}, {{light}}, {{colour}}, {{repeat}} and {{any}}")]
+    UnknownField(String),
+    /// The same field twice.
+    #[error("{{{0}}} stands in the pattern twice")]
+    Twice(&'static str),
+    /// A brace or bracket without its partner.
+    #[error("a \"{0}\" without its partner")]
+    Unpaired(char),
+    /// Brackets within brackets, or a slash within them.
+    #[error("brackets can hold neither brackets nor a slash")]
+    Nested,
+    /// It tells nothing.
+    #[error("a pattern needs {{subject}}, {{light}} or {{colour}}")]
+    NoField,
+}
+
+/// Words for subjects beside those of the file format.
+const SUBJECT_WORDS: &[(Subject, &[&str])] = &[
+    (Subject::Object, &["object", "obj", "scene", "sample", "target"]),
+    (
+        Subject::GreySphere,
+        &["grey-sphere", "gray-sphere", "grey-ball", "gray-ball", "greyball", "grayball", "grey", "gray"],
+    ),
+    (Subject::MaterialSphere, &["material-sphere", "material-ball", "material", "paint-ball", "paint-sphere", "paint"]),
+    (
+        Subject::MirrorSphere,
+        &["mirror-sphere", "mirror-ball", "mirrorball", "mirror", "chrome-ball", "chrome-sphere", "chrome"],
+    ),
+    (Subject::Dark, &["dark", "darks", "dark-frame", "black"]),
+    (Subject::FlatField, &["flat-field", "flatfield", "flat", "flats", "white"]),
+];
+
+/// Words for colours, as lamps and channels are called.
+const COLOUR_WORDS: &[&str] = &[
+    "red", "green", "blue", "white", "cyan", "magenta", "yellow", "amber", "orange", "violet", "uv", "ir", "nir",
+    "lime", "r", "g", "b",
+];
+
+impl Field {
+    const ALL: [Self; 5] = [Self::Subject, Self::Light, Self::Colour, Self::Repeat, Self::Any];
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Subject => "subject",
+            Self::Light => "light",
+            Self::Colour => "colour",
+            Self::Repeat => "repeat",
+            Self::Any => "any",
+        }
+    }
+
+    /// As a regular expression; `strict` takes words for colours alone.
+    fn expression(self, strict: bool) -> String {
+        match self {
+            Self::Subject => {
+                let words = SUBJECT_WORDS.iter().flat_map(|(_, words)| *words).map(|word| word.replace('-', "[-_ ]?"));
+                format!("(?<subject>{})", words.collect::<Vec<_>>().join("|"))
+            }
+            Self::Colour if strict => format!(r"(?<colour>{}|\d+ ?nm)", COLOUR_WORDS.join("|")),
+            Self::Light | Self::Colour => format!("(?<{}>[^/]+?)", self.word()),
+            Self::Repeat => r"(?<repeat>\d+)".into(),
+            Self::Any => "[^/]*?".into(),
+        }
+    }
+}
+
+/// A piece of a pattern.
+enum Piece {
+    Text(char),
+    Field(Field),
+    Open,
+    Close,
+}
+
+impl FromStr for Pattern {
+    type Err = PatternError;
+
+    fn from_str(text: &str) -> Result<Self, PatternError> {
+        let pieces = pieces(text)?;
+        let fields: Vec<Field> = pieces
+            .iter()
+            .filter_map(|piece| if let Piece::Field(field) = piece { Some(*field) } else { None })
+            .collect();
+        let twice = |field: &&Field| **field != Field::Any && fields.iter().filter(|other| other == field).count() > 1;
+        if let Some(field) = fields.iter().find(twice) {
+            return Err(PatternError::Twice(field.word()));
+        }
+        if !fields.iter().any(|field| matches!(field, Field::Subject | Field::Light | Field::Colour)) {
+            return Err(PatternError::NoField);
+        }
+        let expression = |strict: bool| {
+            let inner: String = pieces
+                .iter()
+                .map(|piece| match piece {
+                    Piece::Text(c) => regex::escape(c.encode_utf8(&mut [0; 4])),
+                    Piece::Field(field) => field.expression(strict),
+                    Piece::Open => "(?:".into(),
+                    Piece::Close => ")?".into(),
+                })
+                .collect();
+            // The only expressions that could be refused are those that a person made too large.
+            RegexBuilder::new(&format!("^{inner}$")).case_insensitive(true).build().map_err(|_| PatternError::NoField)
+        };
+        let folders = pieces.iter().filter(|piece| matches!(piece, Piece::Text('/'))).count();
+        let readings = [expression(true)?, expression(false)?];
+        Ok(Self { text: text.to_owned(), fields, folders, readings })
+    }
+}
+
+fn pieces(text: &str) -> Result<Vec<Piece>, PatternError> {
+    let mut pieces = Vec::new();
+    let mut rest = text.chars();
+    let mut in_brackets = false;
+    while let Some(c) = rest.next() {
+        pieces.push(match c {
+            '{' => {
+                let word: String = rest.by_ref().take_while(|c| *c != '}').collect();
+                if !text.contains('}') {
+                    return Err(PatternError::Unpaired('{'));
+                }
+                // "color" is the same word to half of the world.
+                let known = |field: &Field| field.word() == if word == "color" { "colour" } else { word.as_str() };
+                let field = Field::ALL.into_iter().find(known);
+                Piece::Field(field.ok_or_else(|| PatternError::UnknownField(word.clone()))?)
+            }
+            '}' => return Err(PatternError::Unpaired('}')),
+            '[' if in_brackets => return Err(PatternError::Nested),
+            '[' => {
+                in_brackets = true;
+                Piece::Open
+            }
+            ']' if !in_brackets => return Err(PatternError::Unpaired(']')),
+            ']' => {
+                in_brackets = false;
+                Piece::Close
+            }
+            '/' | '\\' if in_brackets => return Err(PatternError::Nested),
+            '\\' => Piece::Text('/'),
+            c => Piece::Text(c),
+        });
+    }
+    if in_brackets { Err(PatternError::Unpaired('[')) } else { Ok(pieces) }
+}
+
+impl Pattern {
+    /// What the name of a file tells; `None` where it does not follow the pattern.
+    pub fn read(&self, file: &Path) -> Option<Guess> {
+        let mut parts: Vec<String> = file.parent()?.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+        parts.push(file.file_stem()?.to_string_lossy().into_owned());
+        let end = parts.get(parts.len().checked_sub(self.folders + 1)?..)?.join("/");
+        let captures = self.readings.iter().find_map(|reading| reading.captures(&end))?;
+        let text = |field: Field| captures.name(field.word()).map(|found| found.as_str().to_owned());
+        let repeat = text(Field::Repeat);
+        Some(Guess {
+            subject: subject_of(&captures),
+            light: text(Field::Light),
+            colour: text(Field::Colour),
+            repeat: repeat.and_then(|digits| digits.parse().ok()),
+        })
+    }
+
+    /// Whether the pattern tells what a file shows.
+    pub fn names_subject(&self) -> bool {
+        self.fields.contains(&Field::Subject)
+    }
+
+    /// Whether the pattern tells the colour of a photo.
+    pub fn names_colour(&self) -> bool {
+        self.fields.contains(&Field::Colour)
+    }
+}
+
+fn subject_of(captures: &Captures<'_>) -> Option<Subject> {
+    let found = captures.name("subject")?.as_str().to_lowercase().replace(['_', ' '], "-");
+    let bare = found.replace('-', "");
+    let means = |words: &[&str]| words.iter().any(|word| word.replace('-', "") == bare);
+    Subject::from_word(&found).or_else(|| SUBJECT_WORDS.iter().find(|(_, words)| means(words)).map(|(s, _)| *s))
+}
+
+impl fmt::Display for Pattern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl PartialEq for Pattern {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
+
+/// Whether a name is a word for a colour.
+pub(super) fn is_colour_word(name: &str) -> bool {
+    COLOUR_WORDS.contains(&name.to_lowercase().as_str())
+        || name.strip_suffix("nm").is_some_and(|digits| digits.trim_end().parse::<u32>().is_ok())
+}
