@@ -34,3 +34,18 @@ pub fn sum_of(values: &[f32]) -> f32 {
     });
     lanes.iter().sum::<f32>() + rest.iter().sum::<f32>()
 }
+
+/// Whether every value is true. No early end: a run of pixels is compared at once.
+pub fn all_true(values: &[bool]) -> bool {
+    values.iter().fold(true, |all, value| all & value)
+}
+
+/// Whether every value is false.
+pub fn all_false(values: &[bool]) -> bool {
+    !values.iter().fold(false, |any, value| any | value)
+}
+
+/// Whether no pixel carries a mark.
+pub fn all_zero(marks: &[u8]) -> bool {
+    marks.iter().fold(0, |all, mark| all | mark) == 0
+}

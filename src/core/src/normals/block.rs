@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::pixel::{PixelNormal, Stage};
 use super::{OUTSIDE, SHADOW_USED, SHADOWED, Tally, UNSOLVED};
-use crate::block::{BLOCK, combine, sum_of};
+use crate::block::{BLOCK, all_false, all_true, all_zero, combine, sum_of};
 
 /// The part of the normals that one job writes.
 pub(super) struct Target<'a> {
@@ -49,8 +49,8 @@ pub(super) fn run_job(mut target: Target, stage: &Stage, kernel: Option<&Kernel>
     for start in (0..end).step_by(BLOCK) {
         let block = start..(start + BLOCK).min(end);
         let pixels = target.first_pixel + block.start..target.first_pixel + block.end;
-        let good = stage.mask.data()[pixels.clone()].iter().all(|&inside| inside)
-            && stage.lights.iter().all(|light| light.marks[pixels.clone()].iter().fold(0, |all, mark| all | mark) == 0);
+        let good = all_true(&stage.mask.data()[pixels.clone()])
+            && stage.lights.iter().all(|light| all_zero(&light.marks[pixels.clone()]));
         match kernel {
             Some(kernel) if good => good_block(&mut target, stage, kernel, block, &mut tally),
             _ => block.for_each(|at| mixed_pixel(&mut target, stage, at, &mut tally)),
@@ -73,7 +73,9 @@ fn good_block(target: &mut Target, stage: &Stage, kernel: &Kernel, block: Range<
     let doubtful = &mut doubtful[..len];
     find_doubtful(doubtful, [x, y, z], stage, kernel, &direct);
 
-    let albedo = &mut target.albedo[block.clone()];
+    // Slices cut to one length spare the compiler its checks, so that it works on several pixels at a time.
+    let (x, y, z) = (&mut x[..len], &mut y[..len], &mut z[..len]);
+    let albedo = &mut target.albedo[block.clone()][..len];
     for i in 0..len {
         let length = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
         let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
@@ -82,13 +84,13 @@ fn good_block(target: &mut Target, stage: &Stage, kernel: &Kernel, block: Range<
         y[i] *= inverse;
         z[i] *= inverse;
     }
-    let noise_deg = &mut target.noise_deg[block.clone()];
+    let noise_deg = &mut target.noise_deg[block.clone()][..len];
     noise_deg.fill(0.0);
     for (l, light) in stage.lights.iter().enumerate() {
         let Some(noise) = light.noise else { continue };
         let effect = Vector3::new(kernel.rows[0][l], kernel.rows[1][l], kernel.rows[2][l]);
         let squared = effect.norm_squared();
-        let sigma = &noise.data()[pixels.clone()];
+        let sigma = &noise.data()[pixels.clone()][..len];
         for i in 0..len {
             let along = x[i] * effect.x + y[i] * effect.y + z[i] * effect.z;
             noise_deg[i] += sigma[i] * sigma[i] * (squared - along * along);
@@ -103,6 +105,9 @@ fn good_block(target: &mut Target, stage: &Stage, kernel: &Kernel, block: Range<
     tally.noise_deg += f64::from(sum_of(noise_deg));
     target.marks[block.clone()].fill(0);
 
+    if all_false(doubtful) {
+        return;
+    }
     for (i, _) in doubtful.iter().enumerate().filter(|(_, doubtful)| **doubtful) {
         let at = block.start + i;
         tally.solved -= 1;
@@ -116,7 +121,9 @@ fn good_block(target: &mut Target, stage: &Stage, kernel: &Kernel, block: Range<
 fn find_doubtful(doubtful: &mut [bool], scaled: [&[f32]; 3], stage: &Stage, kernel: &Kernel, direct: &[&[f32]]) {
     let len = doubtful.len();
     let (mut low, mut high) = ([f32::INFINITY; BLOCK], [0.0_f32; BLOCK]);
+    let (low, high) = (&mut low[..len], &mut high[..len]);
     for (light, relative) in direct.iter().zip(&kernel.relative) {
+        let light = &light[..len];
         for i in 0..len {
             let value = light[i] * relative;
             low[i] = if value < low[i] { value } else { low[i] };
@@ -125,14 +132,15 @@ fn find_doubtful(doubtful: &mut [bool], scaled: [&[f32]; 3], stage: &Stage, kern
     }
     let fraction = stage.options.shadow_fraction as f32;
     for i in 0..len {
-        doubtful[i] = low[i] < fraction * high[i] || high[i] <= 0.0;
+        doubtful[i] = (low[i] < fraction * high[i]) | (high[i] <= 0.0);
     }
     if direct.len() < 5 {
         return;
     }
     let fraction = stage.options.outlier_fraction as f32;
-    let [x, y, z] = scaled;
+    let [x, y, z] = scaled.map(|plane| &plane[..len]);
     for ((light, relative), toward) in direct.iter().zip(&kernel.relative).zip(&kernel.toward) {
+        let light = &light[..len];
         for i in 0..len {
             let misfit = (light[i] - (x[i] * toward.x + y[i] * toward.y + z[i] * toward.z)).abs() * relative;
             doubtful[i] |= misfit > fraction * high[i];

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{BounceSystem, LightPhotos, OUTSIDE, Separation, UNSOLVED};
 use crate::Watch;
-use crate::block::{BLOCK, JOB, combine, sum_of};
+use crate::block::{BLOCK, JOB, all_true, all_zero, combine, sum_of};
 use crate::photo::CLIPPED;
 
 /// Sums over the pixels of a light.
@@ -136,8 +136,8 @@ fn run_job(mut target: Target, light: &LightPhotos, kernel: &Kernel, sigma: &[f6
     for start in (0..end).step_by(BLOCK) {
         let block = start..(start + BLOCK).min(end);
         let pixels = target.first_pixel + block.start..target.first_pixel + block.end;
-        let good = light.mask.data()[pixels.clone()].iter().all(|&inside| inside)
-            && light.photos.iter().all(|photo| photo.marks[pixels.clone()].iter().fold(0, |all, mark| all | mark) == 0);
+        let good = all_true(&light.mask.data()[pixels.clone()])
+            && light.photos.iter().all(|photo| all_zero(&photo.marks[pixels.clone()]));
         if good {
             good_block(&mut target, light, kernel, block, &mut tally);
         } else {
