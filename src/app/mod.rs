@@ -1,3 +1,21 @@
-//! The window.
+//! The window: a document, results computed from it, and panels and views that show both.
+//!
+//! [`session::Session`] holds everything that panels and views may reach; [`window::Window`] is the window around it.
 
 pub mod canvas;
+pub mod commands;
+pub mod dialogs;
+pub mod document;
+pub mod jobs;
+mod launch;
+pub mod log;
+pub mod panels;
+pub mod path_field;
+pub mod preferences;
+pub mod results;
+pub mod session;
+mod start;
+pub mod views;
+pub mod window;
+
+pub use launch::{Start, has_display, run};

@@ -10,6 +10,8 @@ use firstbounce_capture::pipeline::SolveOptions;
 use include_dir::{Dir, include_dir};
 
 use super::solve::{OUTPUT_FOLDER, solve_into, summary};
+use crate::app::{self, Start};
+
 use super::{PrintArgs, print, print_json, print_warnings};
 
 /// The capture set that the program carries within itself.
@@ -20,6 +22,9 @@ pub struct DemoArgs {
     /// Where to write the results [default: out/demo]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Do not open the window on the demo afterwards
+    #[arg(long)]
+    no_window: bool,
     #[command(flatten)]
     print: PrintArgs,
 }
@@ -30,7 +35,11 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
     let report = solve_into(&set, &folder, &SolveOptions::default(), GreenAxis::Up)?;
     print_warnings(&report.warnings);
-    if args.print.json { print_json(&report) } else { print(&summary(&report, &folder)) }
+    if args.print.json {
+        return print_json(&report);
+    }
+    print(&summary(&report, &folder))?;
+    if args.no_window || !app::has_display() { Ok(()) } else { app::run(Start::Set(set.folder)) }
 }
 
 /// Puts the demo set into `folder`, where a person can look at it and change it; returns the folder.

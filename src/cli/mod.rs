@@ -6,6 +6,7 @@ mod calibrate;
 mod demo;
 mod evaluate;
 mod info;
+mod open;
 mod progress;
 mod solve;
 mod table;
@@ -14,17 +15,23 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-/// Photometric stereo without the light between an object's own walls.
+use crate::app::{self, Start};
+
+pub use demo::unpack as unpack_demo;
+
+/// Photometric stereo without the light between an object's own walls. Without a command the window opens.
 #[derive(Debug, Parser)]
-#[command(version, about, arg_required_else_help = true)]
+#[command(version, about)]
 struct Program {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 /// Every command.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Open the window on a capture set
+    Open(open::OpenArgs),
     /// From photos to bounces, normals, depth, a mesh and a report
     Solve(solve::SolveArgs),
     /// Measure lamps and paint on the calibration balls
@@ -54,13 +61,15 @@ pub struct PrintArgs {
 }
 
 /// Reads the command line; prints help or usage and exits where it is not a command.
-pub fn parse() -> Command {
+pub fn parse() -> Option<Command> {
     Program::parse().command
 }
 
-/// Runs a command.
-pub fn run(command: Command) -> anyhow::Result<()> {
+/// Runs a command; without one the window opens.
+pub fn run(command: Option<Command>) -> anyhow::Result<()> {
+    let Some(command) = command else { return app::run(Start::Nothing) };
     match command {
+        Command::Open(args) => open::run(args),
         Command::Solve(args) => solve::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),

@@ -3,9 +3,10 @@
 use std::sync::LazyLock;
 
 use firstbounce_core::photo::{CLIPPED, DARK};
+use serde::{Deserialize, Serialize};
 
 /// Which colour stands for which value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum ColourMap {
     /// Black to white, encoded for the screen.
     #[default]

@@ -1,22 +1,25 @@
 //! One channel of a picture.
 
-/// A planar picture of `width` x `height` f32 values, row by row, the top row first.
+use std::sync::Arc;
+
+/// A planar picture of `width` x `height` f32 values, row by row, the top row first. A clone shares the values until one
+/// of the two is changed: pictures of 24 megapixels are held by several results at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
     width: usize,
     height: usize,
-    data: Vec<f32>,
+    data: Arc<Vec<f32>>,
 }
 
 impl Plane {
     /// A plane of one value everywhere.
     pub fn filled(width: usize, height: usize, value: f32) -> Self {
-        Self { width, height, data: vec![value; width * height] }
+        Self { width, height, data: Arc::new(vec![value; width * height]) }
     }
 
     /// Takes rows of pixels as they are; `None` if `data` is not `width * height` long.
     pub fn from_vec(width: usize, height: usize, data: Vec<f32>) -> Option<Self> {
-        (data.len() == width * height).then_some(Self { width, height, data })
+        (data.len() == width * height).then(|| Self { width, height, data: Arc::new(data) })
     }
 
     /// A plane whose value at column `x`, row `y` is `value(x, y)`.
@@ -25,7 +28,7 @@ impl Plane {
         for y in 0..height {
             data.extend((0..width).map(|x| value(x, y)));
         }
-        Self { width, height, data }
+        Self { width, height, data: Arc::new(data) }
     }
 
     /// Pixels in a row.
@@ -50,12 +53,13 @@ impl Plane {
 
     /// All values, row by row, to be changed in place.
     pub fn data_mut(&mut self) -> &mut [f32] {
-        &mut self.data
+        let data: &mut Vec<f32> = Arc::make_mut(&mut self.data);
+        data
     }
 
     /// The values, without the shape.
     pub fn into_vec(self) -> Vec<f32> {
-        self.data
+        Arc::unwrap_or_clone(self.data)
     }
 
     /// The value at column `x`, row `y`. Panics outside the plane, like a slice.
@@ -67,7 +71,8 @@ impl Plane {
     /// Sets the value at column `x`, row `y`. Panics outside the plane, like a slice.
     pub fn set(&mut self, x: usize, y: usize, value: f32) {
         debug_assert!(x < self.width);
-        self.data[y * self.width + x] = value;
+        let width = self.width;
+        self.data_mut()[y * width + x] = value;
     }
 
     /// Row `y`, left to right.
@@ -94,6 +99,14 @@ mod tests {
     #[test]
     fn a_plane_refuses_data_of_another_length() {
         assert!(Plane::from_vec(3, 2, vec![0.0; 5]).is_none());
+    }
+
+    #[test]
+    fn a_clone_keeps_its_values_when_the_original_changes() {
+        let mut original = Plane::filled(3, 2, 1.0);
+        let clone = original.clone();
+        original.set(1, 1, 5.0);
+        assert_eq!((original.at(1, 1), clone.at(1, 1)), (5.0, 1.0));
     }
 
     #[test]

@@ -1,0 +1,23 @@
+//! The document: what a person edits, with undo, and everything that keeps it safe.
+
+mod disk;
+mod editor;
+mod recovery;
+mod settings;
+
+use firstbounce_capture::CaptureSet;
+
+pub use disk::{DiskWatch, SaveError, VIEW_FILE, relocated};
+pub(crate) use disk::{read_view, write_view};
+pub use editor::Editor;
+pub use recovery::{Recovered, Recovery, save_everything_now};
+pub use settings::{Settings, ShapeSettings};
+
+/// Everything that a person edits and that undo brings back. Small: photos and results are elsewhere.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Document {
+    /// What capture.toml says.
+    pub set: CaptureSet,
+    /// How the window solves the set.
+    pub settings: Settings,
+}

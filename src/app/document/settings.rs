@@ -1,0 +1,52 @@
+//! What a person chooses in the window beyond capture.toml.
+
+use firstbounce_capture::pipeline::SolveOptions;
+use firstbounce_core::indirect::IndirectOptions;
+use firstbounce_core::normals::NormalsOptions;
+use firstbounce_core::shape::ShapeOptions;
+use serde::{Deserialize, Serialize};
+
+/// How the window solves a set.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// From bounce 1 to the surface.
+    pub shape: ShapeSettings,
+}
+
+/// How the surface is recovered; the defaults are those of the command line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ShapeSettings {
+    /// Names of lights that photometric stereo does without.
+    pub left_out: Vec<String>,
+    /// A light is in shadow below this share of the brightest light's.
+    pub shadow_fraction: f64,
+    /// With five or more lights, one that misses the fit by more than this share is left out.
+    pub outlier_fraction: f64,
+    /// How often near lamps are placed anew over the depth.
+    pub rounds: usize,
+    /// Half width of the window in which the noise of indirect light is averaged; 0 for none.
+    pub indirect_radius_px: usize,
+}
+
+impl Default for ShapeSettings {
+    fn default() -> Self {
+        let ShapeOptions { normals: NormalsOptions { shadow_fraction, outlier_fraction }, rounds, .. } =
+            ShapeOptions::default();
+        let indirect_radius_px = IndirectOptions::default().radius_px;
+        Self { left_out: Vec::new(), shadow_fraction, outlier_fraction, rounds, indirect_radius_px }
+    }
+}
+
+impl ShapeSettings {
+    /// As the pipeline takes them.
+    pub fn options(&self) -> SolveOptions {
+        let normals = NormalsOptions { shadow_fraction: self.shadow_fraction, outlier_fraction: self.outlier_fraction };
+        SolveOptions {
+            indirect: IndirectOptions { radius_px: self.indirect_radius_px, ..IndirectOptions::default() },
+            shape: ShapeOptions { normals, rounds: self.rounds, ..ShapeOptions::default() },
+            ..SolveOptions::default()
+        }
+    }
+}

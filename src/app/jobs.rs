@@ -1,0 +1,149 @@
+//! Work off the UI thread, with a name, progress and cancel.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{self, TryRecvError};
+use std::sync::{Arc, Weak};
+
+use firstbounce_capture::pipeline::{PipelineWatch, Stage};
+use firstbounce_core::Watch;
+
+/// Asks for a repaint, from any thread.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// Steps of progress that are worth a repaint.
+const STEPS: f32 = 100.0;
+
+/// One piece of work: what it is called, how far it is, whether it should stop.
+pub struct Job {
+    name: String,
+    permille: AtomicU32,
+    cancelled: AtomicBool,
+    wake: Wake,
+}
+
+impl Job {
+    /// What the person sees.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        self.permille.load(Ordering::Relaxed) as f32 / STEPS
+    }
+
+    /// Asks the work to stop at its next step.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether somebody asked it to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+impl Watch for Job {
+    fn progress(&self, fraction: f32) {
+        let step = (fraction.clamp(0.0, 1.0) * STEPS) as u32;
+        if self.permille.swap(step, Ordering::Relaxed) != step {
+            (self.wake)();
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.is_cancelled()
+    }
+}
+
+impl PipelineWatch for Job {
+    fn progress(&self, _: Stage, fraction: f32) {
+        Watch::progress(self, fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.is_cancelled()
+    }
+}
+
+/// Work that was started and will give a `T`.
+pub struct Task<T> {
+    job: Arc<Job>,
+    outcome: mpsc::Receiver<Result<T, String>>,
+}
+
+impl<T> Task<T> {
+    /// Its name, progress and cancel.
+    pub fn job(&self) -> &Job {
+        &self.job
+    }
+
+    /// What came out, once; `None` while the work goes on. An error is one line for a person.
+    pub fn poll(&self) -> Option<Result<T, String>> {
+        match self.outcome.try_recv() {
+            Ok(outcome) => Some(outcome),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Err(format!("{} stopped unexpectedly", self.job.name))),
+        }
+    }
+}
+
+/// Every job that runs.
+pub struct Jobs {
+    running: Vec<Weak<Job>>,
+    wake: Wake,
+}
+
+impl Jobs {
+    /// No jobs; `wake` is called whenever one has news.
+    pub fn new(wake: Wake) -> Self {
+        Self { running: Vec::new(), wake }
+    }
+
+    /// Runs `work` on its own thread under a name: "Export report".
+    pub fn start<T: Send + 'static>(
+        &mut self,
+        name: impl Into<String>,
+        work: impl FnOnce(&Job) -> Result<T, String> + Send + 'static,
+    ) -> Task<T> {
+        let job = Arc::new(Job {
+            name: name.into(),
+            permille: AtomicU32::new(0),
+            cancelled: AtomicBool::new(false),
+            wake: self.wake.clone(),
+        });
+        self.running.retain(|job| job.strong_count() > 0);
+        self.running.push(Arc::downgrade(&job));
+        let (sender, outcome) = mpsc::channel();
+        let at_work = job.clone();
+        std::thread::spawn(move || {
+            // Dropped last, also when the work panics: whoever wakes finds the outcome there and the job gone.
+            let _wake = WakeOnDrop(at_work.wake.clone());
+            let (sender, at_work) = (sender, at_work);
+            let result = work(&at_work);
+            drop(at_work);
+            // Nobody may be waiting any more.
+            let _ = sender.send(result);
+        });
+        Task { job, outcome }
+    }
+
+    /// The jobs that are at work, the oldest first.
+    pub fn running(&self) -> Vec<Arc<Job>> {
+        // A task that waits to be polled holds its job too: two owners are at work, one is done.
+        self.running.iter().filter(|job| job.strong_count() > 1).filter_map(Weak::upgrade).collect()
+    }
+
+    /// Asks for a repaint from any thread.
+    pub fn wake(&self) -> Wake {
+        self.wake.clone()
+    }
+}
+
+struct WakeOnDrop(Wake);
+
+impl Drop for WakeOnDrop {
+    fn drop(&mut self) {
+        (self.0)();
+    }
+}

@@ -1,0 +1,120 @@
+//! From the command line to a window, or to one line that says why there is none.
+
+use std::panic::{self, PanicHookInfo};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::{anyhow, bail};
+use eframe::egui::ViewportBuilder;
+use eframe::{NativeOptions, egui_wgpu, wgpu};
+
+use super::dialogs::SystemDialogs;
+use super::document::save_everything_now;
+use super::preferences::Folders;
+use super::session::Open;
+use super::window::Window;
+
+/// What the window shows first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Start {
+    /// Where to begin; or the set of the last run.
+    Nothing,
+    /// A set: its folder or its capture.toml.
+    Set(PathBuf),
+}
+
+const ELSEWHERE: &str = "\"firstbounce solve SET\" works without a window";
+
+/// Whether there is a display to open a window on.
+pub fn has_display() -> bool {
+    let named = |variable: &str| std::env::var_os(variable).is_some_and(|value| !value.is_empty());
+    !cfg!(all(unix, not(target_os = "macos")))
+        || ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].into_iter().any(named)
+}
+
+/// Opens the window, and returns when it is closed.
+pub fn run(start: Start) -> anyhow::Result<()> {
+    if !has_display() {
+        bail!("there is no display to open a window on (DISPLAY and WAYLAND_DISPLAY are not set); {ELSEWHERE}");
+    }
+    // A set that cannot be opened at all is told where it was asked for, not in a window.
+    if let Start::Set(path) = &start {
+        super::document::Editor::open(path)?;
+    }
+    guard_document();
+    let attempt = panic::catch_unwind(|| {
+        eframe::run_native(
+            "Firstbounce",
+            options(),
+            Box::new(|creation| {
+                let mut window = Window::new(creation, Folders::of_system(), Arc::new(SystemDialogs));
+                match start {
+                    Start::Set(path) => window.open(Open::Set(path)),
+                    Start::Nothing => window.restore(),
+                }
+                Ok(Box::new(window))
+            }),
+        )
+    });
+    match attempt {
+        Ok(result) => result.map_err(|error| explain(&error.to_string())),
+        Err(payload) => Err(explain(&panic_words(payload.as_ref()))),
+    }
+}
+
+fn options() -> NativeOptions {
+    let mut options = NativeOptions {
+        viewport: ViewportBuilder::default()
+            .with_title("Firstbounce")
+            .with_app_id("firstbounce")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([640.0, 400.0])
+            .with_drag_and_drop(true),
+        ..NativeOptions::default()
+    };
+    if let egui_wgpu::WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
+        // Photos are wider than the 8192 pixels that egui asks for.
+        setup.device_descriptor =
+            Arc::new(|adapter| wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() });
+    }
+    options
+}
+
+/// A panic first saves the document, then says one line.
+fn guard_document() {
+    panic::set_hook(Box::new(|info: &PanicHookInfo<'_>| {
+        let saved = save_everything_now();
+        let place = info.location().map(|place| format!(" ({}:{})", place.file(), place.line())).unwrap_or_default();
+        // Libraries that fail to load say so by a panic; `run` explains those.
+        if saved {
+            eprintln!(
+                "firstbounce: {}{place}; the unsaved set is offered at the next start",
+                panic_words(info.payload())
+            );
+        }
+    }));
+}
+
+fn panic_words(payload: &(dyn std::any::Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "something went wrong".into())
+}
+
+/// What a person can do about a window that does not open.
+fn explain(reason: &str) -> anyhow::Error {
+    let reason = reason.replace('\n', " ");
+    let lower = reason.to_lowercase();
+    if lower.contains("xkbcommon") {
+        anyhow!(
+            "the library libxkbcommon-x11 is missing: install libxkbcommon-x11-0 (Debian, Ubuntu) or libxkbcommon-x11 (Fedora); {ELSEWHERE}"
+        )
+    } else if lower.contains("surface") || lower.contains("adapter") || lower.contains("backend") {
+        anyhow!(
+            "no graphics driver can draw the window ({reason}): install mesa-vulkan-drivers, or libegl1 and libgl1-mesa-dri; {ELSEWHERE}"
+        )
+    } else if lower.contains("display") || lower.contains("wayland") || lower.contains("x11") {
+        anyhow!("the display cannot be opened ({reason}); {ELSEWHERE}")
+    } else {
+        anyhow!("the window stopped: {reason}; {ELSEWHERE}")
+    }
+}

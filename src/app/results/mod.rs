@@ -1,0 +1,353 @@
+//! What is computed from the document: stage by stage, off the UI thread, the last good result kept until the new one is
+//! there.
+
+mod depends;
+mod live;
+mod pictures;
+mod run;
+mod stage;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use firstbounce_capture::pipeline::{Calibrated, Direct, Separated, Surfaced};
+use firstbounce_core::Mesh;
+use firstbounce_core::shape::Shape;
+
+use super::document::Document;
+use super::jobs::{Jobs, Task};
+
+pub use live::Rig;
+pub use pictures::{MarksName, Pictures, PlaneName, ShotName, Stored, When};
+pub use run::{Loaded, LoadedShot, Shapes};
+pub use stage::{StageState, Step};
+
+use depends::Keys;
+use stage::Slot;
+
+/// Work starts when the document has been left alone for so long: a drag would otherwise start it anew every frame.
+const SETTLE: Duration = Duration::from_millis(150);
+
+/// A calibration and the names it counts by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// Names of the lights.
+    pub lights: Vec<String>,
+    /// Names of the colours.
+    pub colours: Vec<String>,
+    /// The values.
+    pub calibrated: Calibrated,
+}
+
+/// Before and after as triangles.
+#[derive(Clone, Debug)]
+pub struct Meshes {
+    /// From bounce 1.
+    pub after: Mesh,
+    /// From the photos as they are.
+    pub before: Mesh,
+}
+
+/// Every stage.
+#[derive(Default)]
+pub struct Results {
+    load: Slot<depends::LoadKey, Loaded>,
+    measure: Slot<depends::MeasureKey, Calibration>,
+    calibrate: Slot<depends::CalibrateKey, Calibration>,
+    separate: Slot<depends::SeparateKey, Separated>,
+    shape: Slot<depends::ShapeKey, Shapes>,
+    mesh: Slot<depends::MeshKey, Meshes>,
+    running: Option<Running>,
+    pictures: Pictures,
+    /// Counts the requests to read every file anew.
+    reloads: u64,
+    settling: Option<(Arc<Document>, Instant)>,
+}
+
+/// What a stage's job gives.
+enum Outcome {
+    Load(depends::LoadKey, Result<Loaded, String>),
+    Measure(depends::MeasureKey, Result<Calibration, String>),
+    Calibrate(depends::CalibrateKey, Result<Calibration, String>),
+    Separate(depends::SeparateKey, Result<Separated, String>),
+    Shape(depends::ShapeKey, Result<Shapes, String>),
+    Mesh(depends::MeshKey, Result<Meshes, String>),
+}
+
+struct Running {
+    step: Step,
+    keys: Keys,
+    task: Task<Outcome>,
+}
+
+/// What a frame of the engine asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Nothing to do until something changes.
+    Rest,
+    /// Call again after this time.
+    Again(Duration),
+}
+
+impl Results {
+    /// The photos, once they were read.
+    pub fn loaded(&self) -> Option<Arc<Loaded>> {
+        self.load.last.clone()
+    }
+
+    /// The rig in force: what the file gives, and what the balls say where it gives nothing.
+    pub fn calibration(&self) -> Option<Arc<Calibration>> {
+        self.calibrate.last.clone()
+    }
+
+    /// What the balls alone say, whatever the file gives.
+    pub fn measured(&self) -> Option<Arc<Calibration>> {
+        self.measure.last.clone()
+    }
+
+    /// The bounces, as they would be saved.
+    pub fn separated(&self) -> Option<Arc<Separated>> {
+        self.separate.last.clone()
+    }
+
+    /// Normals and depth, before and after.
+    pub fn shapes(&self) -> Option<Arc<Shapes>> {
+        self.shape.last.clone()
+    }
+
+    /// Triangles, before and after.
+    pub fn meshes(&self) -> Option<Arc<Meshes>> {
+        self.mesh.last.clone()
+    }
+
+    /// Every plane that can be shown.
+    pub fn pictures(&self) -> &Pictures {
+        &self.pictures
+    }
+
+    /// How a stage stands with respect to this document.
+    pub fn state(&self, step: Step, document: &Document) -> StageState {
+        let keys = Keys::of(document, self);
+        if let Some(running) = self.running.as_ref().filter(|running| running.step == step && running.keys == keys) {
+            return StageState::Running { fraction: running.task.job().fraction() };
+        }
+        let own = match step {
+            Step::Load => self.load.state(Some(&keys.load)),
+            Step::Measure => self.measure.state(keys.measure.as_ref()),
+            Step::Calibrate => self.calibrate.state(keys.calibrate.as_ref()),
+            Step::Separate => self.separate.state(keys.separate.as_ref()),
+            Step::Shape => self.shape.state(keys.shape.as_ref()),
+            Step::Mesh => self.mesh.state(keys.mesh.as_ref()),
+        };
+        match (own, step.needs()) {
+            (StageState::Blocked { .. }, Some(before)) => match self.state(before, document) {
+                StageState::Failed { line } => StageState::Blocked { line: format!("{before} failed: {line}") },
+                StageState::Blocked { line } => StageState::Blocked { line },
+                StageState::Running { .. } | StageState::Stale => StageState::Stale,
+                StageState::Ready => StageState::Blocked { line: self.why_blocked(step, document) },
+            },
+            (state, _) => state,
+        }
+    }
+
+    /// Reads every file anew.
+    pub fn reload(&mut self) {
+        self.reloads += 1;
+    }
+
+    /// Forgets everything: another set was opened.
+    pub fn clear(&mut self) {
+        if let Some(running) = &self.running {
+            running.task.job().cancel();
+        }
+        *self = Self { reloads: self.reloads + 1, ..Self::default() };
+    }
+
+    /// Takes what is finished and starts what is stale. Once a frame; `log` is told of every stage that ended.
+    pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(String)) -> Next {
+        self.take_finished(log);
+        let keys = Keys::of(document, self);
+        if let Some(running) = &self.running {
+            if running.keys.upto(running.step) != keys.upto(running.step) {
+                running.task.job().cancel();
+            }
+            return Next::Rest;
+        }
+        let Some(step) = self.first_stale(&keys) else {
+            self.settling = None;
+            return Next::Rest;
+        };
+        match &self.settling {
+            Some((known, since)) if Arc::ptr_eq(known, document) => {
+                if let Some(left) = SETTLE.checked_sub(since.elapsed()).filter(|left| !left.is_zero()) {
+                    return Next::Again(left);
+                }
+            }
+            Some(_) => {
+                self.settling = Some((document.clone(), Instant::now()));
+                return Next::Again(SETTLE);
+            }
+            // The first stale stage after a rest waits too, unless nothing was ever computed.
+            None => {
+                self.settling = Some((document.clone(), Instant::now()));
+                if self.load.last.is_some() {
+                    return Next::Again(SETTLE);
+                }
+            }
+        }
+        if let Some(task) = self.start(step, &keys, document, jobs) {
+            self.running = Some(Running { step, keys, task });
+        }
+        Next::Rest
+    }
+
+    /// Whether every stage that can be computed is.
+    pub fn is_at_rest(&self, document: &Document) -> bool {
+        self.running.is_none() && self.first_stale(&Keys::of(document, self)).is_none()
+    }
+
+    fn first_stale(&self, keys: &Keys) -> Option<Step> {
+        let stale = |step: Step| match step {
+            Step::Load => self.load.is_stale(Some(&keys.load)),
+            Step::Measure => self.measure.is_stale(keys.measure.as_ref()),
+            Step::Calibrate => self.calibrate.is_stale(keys.calibrate.as_ref()),
+            Step::Separate => self.separate.is_stale(keys.separate.as_ref()),
+            Step::Shape => self.shape.is_stale(keys.shape.as_ref()),
+            Step::Mesh => self.mesh.is_stale(keys.mesh.as_ref()),
+        };
+        Step::ALL.into_iter().find(|&step| stale(step))
+    }
+
+    fn start(&self, step: Step, keys: &Keys, document: &Arc<Document>, jobs: &mut Jobs) -> Option<Task<Outcome>> {
+        let document = document.clone();
+        let name = step.job_name();
+        Some(match step {
+            Step::Load => {
+                let key = keys.load.clone();
+                jobs.start(name, move |job| Ok(Outcome::Load(key, run::load(&document.set, job))))
+            }
+            Step::Measure => {
+                let key = keys.measure.clone()?;
+                jobs.start(name, move |job| {
+                    let measured = run::measure(&key.set, job);
+                    Ok(Outcome::Measure(key, measured))
+                })
+            }
+            Step::Calibrate => {
+                let key = keys.calibrate.clone()?;
+                jobs.start(name, move |job| {
+                    let calibrated = run::calibrate_file(&key.set, job);
+                    Ok(Outcome::Calibrate(key, calibrated))
+                })
+            }
+            Step::Separate => {
+                let (key, loaded, calibration) = (keys.separate.clone()?, self.loaded()?, self.calibration()?);
+                jobs.start(name, move |job| {
+                    let separated = run::separate(&document.set, &loaded, &calibration, key.bounces, job);
+                    Ok(Outcome::Separate(key, separated))
+                })
+            }
+            Step::Shape => {
+                let key = keys.shape.clone()?;
+                let (loaded, calibration, separated) = (self.loaded()?, self.calibration()?, self.separated()?);
+                jobs.start(name, move |job| {
+                    let shapes = run::shape(&document, &loaded, &calibration, &separated, job);
+                    Ok(Outcome::Shape(key, shapes))
+                })
+            }
+            Step::Mesh => {
+                let (key, shapes) = (keys.mesh.clone()?, self.shapes()?);
+                jobs.start(name, move |_| Ok(Outcome::Mesh(key, run::meshes(&document.set, &shapes))))
+            }
+        })
+    }
+
+    fn take_finished(&mut self, log: &mut dyn FnMut(String)) {
+        let Some(running) = &self.running else { return };
+        let Some(outcome) = running.task.poll() else { return };
+        let cancelled = running.task.job().is_cancelled();
+        let Some(Running { step, keys, .. }) = self.running.take() else { return };
+        if cancelled {
+            return;
+        }
+        let outcome = outcome.unwrap_or_else(|line| Outcome::lost(step, keys, line));
+        if let Some(line) = outcome.error() {
+            log(format!("{step}: {line}"));
+        }
+        match outcome {
+            Outcome::Load(key, result) => {
+                let pictures = &mut self.pictures;
+                self.load.finish(key, result, |loaded| pictures.take_loaded(loaded));
+            }
+            Outcome::Measure(key, result) => self.measure.finish(key, result, |_| ()),
+            Outcome::Calibrate(key, result) => self.calibrate.finish(key, result, |_| ()),
+            Outcome::Separate(key, result) => {
+                let (pictures, lights) = (&mut self.pictures, key.lights.clone());
+                self.separate.finish(key, result, |separated| pictures.take_separated(&lights, separated));
+            }
+            Outcome::Shape(key, result) => {
+                let (pictures, lights) = (&mut self.pictures, key.lights.clone());
+                self.shape.finish(key, result, |shapes| pictures.take_shapes(&lights, shapes));
+            }
+            Outcome::Mesh(key, result) => self.mesh.finish(key, result, |_| ()),
+        }
+    }
+
+    /// Why a stage cannot start though the one before it is ready.
+    fn why_blocked(&self, step: Step, document: &Document) -> String {
+        let problems = document.set.check();
+        if let Some(first) = problems.first() {
+            return format!("{first}");
+        }
+        match (step, self.load.last.as_ref().map(|loaded| &loaded.object)) {
+            (Step::Separate, Some(Err(line))) => line.clone(),
+            (Step::Separate, _) => {
+                self.rig(document).missing().unwrap_or_else(|| "alpha and beta are not known yet: see Calibrate".into())
+            }
+            _ => "the step before is not done yet".into(),
+        }
+    }
+}
+
+impl Outcome {
+    /// The outcome of a job that never answered.
+    fn lost(step: Step, keys: Keys, line: String) -> Self {
+        let lost = line;
+        match (step, keys) {
+            (Step::Measure, Keys { measure: Some(key), .. }) => Self::Measure(key, Err(lost)),
+            (Step::Calibrate, Keys { calibrate: Some(key), .. }) => Self::Calibrate(key, Err(lost)),
+            (Step::Separate, Keys { separate: Some(key), .. }) => Self::Separate(key, Err(lost)),
+            (Step::Shape, Keys { shape: Some(key), .. }) => Self::Shape(key, Err(lost)),
+            (Step::Mesh, Keys { mesh: Some(key), .. }) => Self::Mesh(key, Err(lost)),
+            (_, Keys { load, .. }) => Self::Load(load, Err(lost)),
+        }
+    }
+
+    fn error(&self) -> Option<&str> {
+        match self {
+            Self::Load(_, Err(line))
+            | Self::Measure(_, Err(line))
+            | Self::Calibrate(_, Err(line))
+            | Self::Separate(_, Err(line))
+            | Self::Shape(_, Err(line))
+            | Self::Mesh(_, Err(line)) => Some(line),
+            _ => None,
+        }
+    }
+}
+
+/// The results as the pipeline's writer takes them; `None` until all of them are there.
+pub fn solved(results: &Results) -> Option<firstbounce_capture::pipeline::Solved> {
+    let (loaded, separated, shapes, meshes) =
+        (results.loaded()?, results.separated()?, results.shapes()?, results.meshes()?);
+    let surfaced = |shape: &Shape, mesh: &Mesh| Surfaced { shape: shape.clone(), mesh: mesh.clone() };
+    Some(firstbounce_capture::pipeline::Solved {
+        object: loaded.object.as_ref().ok()?.clone(),
+        calibrated: results.calibration()?.calibrated.clone(),
+        separated: Separated::clone(&separated),
+        direct: shapes.direct.iter().map(Direct::clone).collect(),
+        after: Ok(surfaced(&shapes.after, &meshes.after)),
+        before: Some(surfaced(&shapes.before, &meshes.before)),
+        stages: Vec::new(),
+    })
+}

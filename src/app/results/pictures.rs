@@ -1,0 +1,226 @@
+//! Every plane of the results, ready to be shown: under a name that stays while its numbers change.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use firstbounce_capture::pipeline::Separated;
+use firstbounce_capture::set::{Shot, Subject, Word};
+use firstbounce_core::{Plane, shape::Shape};
+use serde::{Deserialize, Serialize};
+
+use super::run::{Loaded, Shapes};
+use crate::gpu::{CanvasMarks, CanvasPlane};
+
+/// A shot by its words, as it survives an edit of others.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct ShotName {
+    /// What it shows.
+    #[serde(with = "subject_word")]
+    pub subject: Subject,
+    /// The light's name.
+    pub light: Option<String>,
+    /// The colour's name.
+    pub colour: Option<String>,
+}
+
+mod subject_word {
+    use super::{Subject, Word};
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(subject: &Subject, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(subject.word())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Subject, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        Subject::from_word(&word).ok_or_else(|| D::Error::custom("no such subject"))
+    }
+}
+
+impl ShotName {
+    /// The name of a shot of the set.
+    pub fn of(shot: &Shot) -> Self {
+        Self { subject: shot.subject, light: shot.light.clone(), colour: shot.colour.clone() }
+    }
+}
+
+/// A plane of the results.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum PlaneName {
+    /// Linear light.
+    Photo(ShotName),
+    /// Bounce k of a light, as it is saved; k counts from 1.
+    Bounce(String, usize),
+    /// Predicted noise of bounce 1 of a light.
+    Noise(String),
+    /// What the bounces leave of the photos.
+    Residual(String),
+    /// Bounce 1 with less noise.
+    Direct(String),
+    /// x, y or z of the normals.
+    Normal(When, usize),
+    /// Albedo.
+    Albedo(When),
+    /// Predicted noise of the normals in degrees.
+    NormalNoise(When),
+    /// Depth in the mesh's unit; not a number where there is none.
+    Depth(When),
+}
+
+/// Marks of the results.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum MarksName {
+    /// Clipped and dark pixels of a shot.
+    Photo(ShotName),
+    /// Of the separation of a light.
+    Separation(String),
+    /// Of the normals.
+    Normals(When),
+    /// 1 inside the object.
+    Mask,
+}
+
+/// From the photos as they are, or from bounce 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum When {
+    /// From the photos as they are.
+    Before,
+    /// From bounce 1.
+    After,
+}
+
+/// A plane and where most of its values lie.
+#[derive(Clone, Debug)]
+pub struct Stored {
+    /// The plane.
+    pub plane: CanvasPlane,
+    /// Lowest and highest value but for the outermost half percent.
+    pub range: [f32; 2],
+}
+
+/// Every plane and all marks of the results.
+#[derive(Default)]
+pub struct Pictures {
+    planes: HashMap<PlaneName, Stored>,
+    marks: HashMap<MarksName, CanvasMarks>,
+}
+
+impl Pictures {
+    /// A plane, if it was computed.
+    pub fn plane(&self, name: &PlaneName) -> Option<&Stored> {
+        self.planes.get(name)
+    }
+
+    /// Marks, if they were computed.
+    pub fn marks(&self, name: &MarksName) -> Option<&CanvasMarks> {
+        self.marks.get(name)
+    }
+
+    pub(super) fn take_loaded(&mut self, loaded: &Loaded) {
+        let shots = &loaded.shots;
+        let is_there = |name: &ShotName| shots.iter().any(|shot| shot.name == *name && shot.photo.is_ok());
+        self.planes.retain(|name, _| !matches!(name, PlaneName::Photo(shot) if !is_there(shot)));
+        self.marks.retain(|name, _| !matches!(name, MarksName::Photo(shot) if !is_there(shot)));
+        for shot in shots {
+            if let Ok(photo) = &shot.photo {
+                self.put_ranged(PlaneName::Photo(shot.name.clone()), &photo.linear, shot.range);
+                self.put_marks(MarksName::Photo(shot.name.clone()), photo.linear.size(), &photo.marks);
+            }
+        }
+        match &loaded.object {
+            Ok(object) => {
+                let inside: Vec<_> = object.mask.data().iter().map(|&inside| u8::from(inside)).collect();
+                self.put_marks(MarksName::Mask, object.mask.size(), &inside);
+            }
+            Err(_) => {
+                self.marks.remove(&MarksName::Mask);
+            }
+        }
+    }
+
+    pub(super) fn take_separated(&mut self, lights: &[String], separated: &Separated) {
+        self.planes.retain(|name, _| {
+            !matches!(name, PlaneName::Bounce(..) | PlaneName::Residual(_))
+                || matches!(name, PlaneName::Bounce(light, k) if lights.contains(light)
+                    && separated.lights.first().is_some_and(|first| *k <= first.bounces.len()))
+                || matches!(name, PlaneName::Residual(light) if lights.contains(light)
+                    && separated.lights.first().is_some_and(|first| first.residual.is_some()))
+        });
+        for (light, separation) in lights.iter().zip(&separated.lights) {
+            for (k, bounce) in (1..).zip(&separation.bounces) {
+                self.put(PlaneName::Bounce(light.clone(), k), bounce);
+            }
+            if let Some(noise) = &separation.direct_noise {
+                self.put(PlaneName::Noise(light.clone()), noise);
+            }
+            if let Some(residual) = &separation.residual {
+                self.put(PlaneName::Residual(light.clone()), residual);
+            }
+            let size = separation.bounces.first().map_or((0, 0), Plane::size);
+            self.put_marks(MarksName::Separation(light.clone()), size, &separation.marks);
+        }
+    }
+
+    pub(super) fn take_shapes(&mut self, lights: &[String], shapes: &Shapes) {
+        for (light, direct) in lights.iter().zip(&shapes.direct) {
+            self.put(PlaneName::Direct(light.clone()), &direct.light);
+        }
+        self.take_shape(When::After, &shapes.after);
+        self.take_shape(When::Before, &shapes.before);
+    }
+
+    fn take_shape(&mut self, when: When, shape: &Shape) {
+        let normals = &shape.normals;
+        for (axis, plane) in [normals.map.x(), normals.map.y(), normals.map.z()].into_iter().enumerate() {
+            self.put_ranged(PlaneName::Normal(when, axis), plane, [-1.0, 1.0]);
+        }
+        self.put(PlaneName::Albedo(when), &normals.albedo);
+        self.put(PlaneName::NormalNoise(when), &normals.noise_deg);
+        self.put(PlaneName::Depth(when), &depth_where_known(shape));
+        self.put_marks(MarksName::Normals(when), normals.map.size(), &normals.marks);
+    }
+
+    fn put(&mut self, name: PlaneName, plane: &Plane) {
+        self.put_ranged(name, plane, range_of(plane));
+    }
+
+    /// The same name keeps its key's picture: the old numbers stay on screen until the new ones are on the card.
+    fn put_ranged(&mut self, name: PlaneName, plane: &Plane, range: [f32; 2]) {
+        let mut new = CanvasPlane::new(Arc::new(plane.clone()));
+        if let Some(old) = self.planes.get(&name).filter(|old| old.plane.plane.size() == plane.size()) {
+            new.key = old.plane.key.next_version();
+        }
+        self.planes.insert(name, Stored { plane: new, range });
+    }
+
+    fn put_marks(&mut self, name: MarksName, size: (usize, usize), marks: &[u8]) {
+        let Some(mut new) = CanvasMarks::new(size, Arc::new(marks.to_vec())) else { return };
+        if let Some(old) = self.marks.get(&name) {
+            new.key = old.key.next_version();
+        }
+        self.marks.insert(name, new);
+    }
+}
+
+fn depth_where_known(shape: &Shape) -> Plane {
+    let depth = &shape.depth;
+    let known = |(z, known): (&f32, &bool)| if *known { *z } else { f32::NAN };
+    let data = depth.depth_mm.data().iter().zip(depth.mask.data()).map(known).collect();
+    Plane::from_vec(depth.depth_mm.width(), depth.depth_mm.height(), data).unwrap_or_else(|| depth.depth_mm.clone())
+}
+
+/// Lowest and highest value but for the outermost half percent, of values that are numbers and not zero: planes are zero
+/// where they say nothing. [0, 1] where there is none.
+pub fn range_of(plane: &Plane) -> [f32; 2] {
+    // A sparse sample is enough to choose an exposure.
+    let step = (plane.data().len() / 40_000).max(1);
+    let mut sample: Vec<f32> =
+        plane.data().iter().step_by(step).copied().filter(|value| value.is_finite() && *value != 0.0).collect();
+    sample.sort_unstable_by(f32::total_cmp);
+    let at = |share: f64| sample.get(((sample.len().saturating_sub(1)) as f64 * share).round() as usize).copied();
+    match (at(0.005), at(0.995)) {
+        (Some(low), Some(high)) if low < high => [low, high],
+        (Some(low), Some(_)) => [low.min(0.0), low.max(f32::MIN_POSITIVE)],
+        _ => [0.0, 1.0],
+    }
+}

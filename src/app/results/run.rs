@@ -1,0 +1,195 @@
+//! The stages' work, by the pipeline that the command line runs.
+
+use firstbounce_capture::CaptureSet;
+use firstbounce_capture::pipeline::{
+    Calibrated, Direct, ObjectPhotos, PipelineError, Preference, Separated, calibrate, camera_of, load_object,
+    load_subject, quiet_lights, raw_lights, recover, separate_lights, triangulate,
+};
+use firstbounce_capture::set::{Colour, Light, Shot, Subject};
+use firstbounce_core::mesh::MeshOptions;
+use firstbounce_core::separate::LightPhotos;
+use firstbounce_core::shape::Shape;
+use firstbounce_core::{Photo, Watch};
+
+use super::pictures::{ShotName, range_of};
+use super::{Calibration, Meshes};
+use crate::app::document::Document;
+use crate::app::jobs::Job;
+
+/// Every photo of the set, or why it could not be read.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// In the order of the set's shots.
+    pub shots: Vec<LoadedShot>,
+    /// The object's photos, noise and mask together, or why they do not fit together.
+    pub object: Result<ObjectPhotos, String>,
+    /// By light, then colour: the noise that weights the separation; empty where there is no object.
+    pub typical_sigma: Vec<Vec<f64>>,
+    /// What a person should know of the files.
+    pub warnings: Vec<String>,
+}
+
+/// One shot of the set.
+#[derive(Clone, Debug)]
+pub struct LoadedShot {
+    /// Which one.
+    pub name: ShotName,
+    /// In linear light, or why not.
+    pub photo: Result<Photo, String>,
+    /// Where most of its values lie.
+    pub range: [f32; 2],
+}
+
+impl Loaded {
+    /// The shot of this name.
+    pub fn shot(&self, name: &ShotName) -> Option<&LoadedShot> {
+        self.shots.iter().find(|shot| shot.name == *name)
+    }
+}
+
+/// Normals and depth.
+#[derive(Clone, Debug)]
+pub struct Shapes {
+    /// By light: bounce 1 with less noise.
+    pub direct: Vec<Direct>,
+    /// From bounce 1.
+    pub after: Shape,
+    /// From the photos as they are.
+    pub before: Shape,
+}
+
+pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
+    let right = set.check().is_empty();
+    let object = if right { load_object(set, job).map_err(line) } else { Err("the set has errors".into()) };
+    let mut warnings = object.as_ref().map(|object| object.warnings.clone()).unwrap_or_default();
+    let mut shots = Vec::with_capacity(set.shots.len());
+    for (index, shot) in set.shots.iter().enumerate() {
+        if job.is_cancelled() {
+            return Err("cancelled".into());
+        }
+        Watch::progress(job, index as f32 / set.shots.len() as f32);
+        let name = ShotName::of(shot);
+        let known = object.as_ref().ok().and_then(|object| object_photo(set, object, shot));
+        let photo = match known {
+            Some(photo) => Ok(photo),
+            None => load_shot(set, shot, job).map(|(photo, said)| {
+                warnings.extend(said);
+                photo
+            }),
+        };
+        let range = photo.as_ref().map_or([0.0, 1.0], |photo| [0.0, range_of(&photo.linear)[1]]);
+        shots.push(LoadedShot { name, photo, range });
+    }
+    warnings.sort();
+    warnings.dedup();
+    let typical_sigma = object.as_ref().map(typical_sigma).unwrap_or_default();
+    Ok(Loaded { shots, object, typical_sigma, warnings })
+}
+
+fn object_photo(set: &CaptureSet, object: &ObjectPhotos, shot: &Shot) -> Option<Photo> {
+    let light = set.light_index(shot.light.as_deref().filter(|_| shot.subject == Subject::Object)?)?;
+    let colour = set.colour_index(shot.colour.as_deref()?)?;
+    object.photos.get(light)?.get(colour).cloned()
+}
+
+/// One shot by itself, whatever is wrong with the rest of the set.
+fn load_shot(set: &CaptureSet, shot: &Shot, job: &Job) -> Result<(Photo, Vec<String>), String> {
+    // Dark frames and flat fields are shown as they are; all others corrected by them.
+    let correction =
+        |other: &&Shot| matches!(other.subject, Subject::Dark | Subject::FlatField) && other.subject != shot.subject;
+    let shown = Shot { subject: Subject::MirrorSphere, ..shot.clone() };
+    let light = shot.light.clone().unwrap_or_default();
+    let colour = shot.colour.clone().unwrap_or_default();
+    let channel = set.channel_of(shot);
+    let alone = CaptureSet {
+        folder: set.folder.clone(),
+        camera: set.camera.clone(),
+        lights: vec![Light { name: light, ..Light::default() }],
+        colours: vec![Colour { name: colour, channel }],
+        shots: set.shots.iter().filter(correction).cloned().chain([shown]).collect(),
+        ..CaptureSet::default()
+    };
+    let photos = load_subject(&alone, Subject::MirrorSphere, job).map_err(line)?;
+    let photo = photos.all().next().cloned().ok_or("this shot has no file")?;
+    Ok((photo, photos.warnings))
+}
+
+fn typical_sigma(object: &ObjectPhotos) -> Vec<Vec<f64>> {
+    let of_light = |(photos, noise): (&Vec<Photo>, &Vec<_>)| {
+        let photos: Vec<_> = photos.iter().collect();
+        let ones = vec![1.0; photos.len()];
+        LightPhotos { photos: &photos, noise, alpha: &ones, beta: &ones, mask: &object.mask }.typical_sigma()
+    };
+    object.photos.iter().zip(&object.noise).map(of_light).collect()
+}
+
+pub fn measure(set: &CaptureSet, job: &Job) -> Result<Calibration, String> {
+    Ok(named(set, calibrate(set, Preference::Balls, job).map_err(line)?))
+}
+
+pub fn calibrate_file(set: &CaptureSet, job: &Job) -> Result<Calibration, String> {
+    Ok(named(set, calibrate(set, Preference::File, job).map_err(line)?))
+}
+
+fn named(set: &CaptureSet, calibrated: Calibrated) -> Calibration {
+    Calibration {
+        lights: set.lights.iter().map(|light| light.name.clone()).collect(),
+        colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
+        calibrated,
+    }
+}
+
+pub fn separate(
+    set: &CaptureSet,
+    loaded: &Loaded,
+    calibration: &Calibration,
+    bounces: usize,
+    job: &Job,
+) -> Result<Separated, String> {
+    let object = loaded.object.as_ref().map_err(Clone::clone)?;
+    separate_lights(set, object, &calibration.calibrated, bounces, job).map_err(line)
+}
+
+pub fn shape(
+    document: &Document,
+    loaded: &Loaded,
+    calibration: &Calibration,
+    separated: &Separated,
+    job: &Job,
+) -> Result<Shapes, String> {
+    let object = loaded.object.as_ref().map_err(Clone::clone)?;
+    let (set, calibrated) = (&document.set, &calibration.calibrated);
+    let options = document.settings.shape.options();
+    let direct = quiet_lights(set, object, calibrated, separated, &options.indirect, job).map_err(line)?;
+    let raw = raw_lights(object, job).map_err(line)?;
+    let camera = camera_of(set, object.mask.size());
+
+    // Lights that are left out are left out of both, so that before and after differ by the bounces alone.
+    let used: Vec<_> = set.lights.iter().map(|l| !document.settings.shape.left_out.contains(&l.name)).collect();
+    let set = CaptureSet { lights: kept(&set.lights, &used), ..set.clone() };
+    let calibrated = Calibrated {
+        direction: kept(&calibrated.direction, &used),
+        intensity: kept(&calibrated.intensity, &used),
+        ..calibrated.clone()
+    };
+    let surface = |lights: &[Direct]| {
+        recover(&set, object, &calibrated, &kept(lights, &used), &camera, &options.shape, job).map_err(line)
+    };
+    let after = surface(&direct)?;
+    let before = surface(&raw)?;
+    Ok(Shapes { direct, after, before })
+}
+
+fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {
+    all.iter().zip(used).filter(|(_, used)| **used).map(|(item, _)| item.clone()).collect()
+}
+
+pub fn meshes(set: &CaptureSet, shapes: &Shapes) -> Result<Meshes, String> {
+    let camera = camera_of(set, shapes.after.depth.mask.size());
+    let mesh = |shape| triangulate(shape, &camera, &MeshOptions::default()).map_err(line);
+    Ok(Meshes { after: mesh(&shapes.after)?, before: mesh(&shapes.before)? })
+}
+
+fn line(error: PipelineError) -> String {
+    error.to_string().replace('\n', " ")
+}

@@ -1,0 +1,90 @@
+//! What the window shows while no set is open: where to begin.
+
+use std::path::PathBuf;
+
+use eframe::egui::{Button, RichText, ScrollArea, Ui, vec2};
+
+use super::dialogs::Choose;
+use super::document::Recovered;
+use super::path_field::PathField;
+use super::session::{Open, Session};
+
+/// The start screen's own state.
+#[derive(Default)]
+pub struct StartScreen {
+    path: PathField,
+    recovered: Option<Vec<(PathBuf, Recovered)>>,
+}
+
+impl StartScreen {
+    /// Shows it; what is to be opened, if a person chose.
+    pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) -> Option<Open> {
+        let mut open = None;
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ui.set_max_width(640.0);
+            ui.add_space(24.0);
+            ui.heading("Firstbounce");
+            ui.label("Shape from photos under several lamps, without the light between an object's own walls.");
+            ui.add_space(16.0);
+            self.offer_recovered(ui, session, &mut open);
+
+            let demo = Button::new(RichText::new("Open the demo").strong()).min_size(vec2(180.0, 32.0));
+            if ui.add(demo).clicked() {
+                open = Some(Open::Demo);
+            }
+            ui.label("A corner of blue paint under three lamps in two colours, with its calibration balls: every step works at once.");
+            ui.add_space(16.0);
+
+            let dialogs = session.dialogs();
+            let label = "Open a set, or a folder of photos (you can also drop it on this window)";
+            let chosen = self.path.ui(ui, label, Choose::Folder, &dialogs, &mut session.jobs);
+            if let Some(path) = chosen.into_iter().next() {
+                open = Some(opening(path));
+            }
+            ui.add_space(16.0);
+            recent(ui, session, &mut open);
+        });
+        open
+    }
+
+    fn offer_recovered(&mut self, ui: &mut Ui, session: &Session, open: &mut Option<Open>) {
+        let found = self.recovered.get_or_insert_with(|| session.recovery.found());
+        let mut done = None;
+        for (index, (folder, kept)) in found.iter().enumerate() {
+            ui.group(|ui| {
+                ui.label(format!("The last run ended before \"{}\" was saved.", kept.title));
+                ui.horizontal(|ui| {
+                    if ui.button(format!("Restore {}", kept.title)).clicked() {
+                        *open = Some(Open::Recovered(folder.clone(), kept.clone()));
+                        done = Some(index);
+                    }
+                    if ui.button(format!("Discard {}", kept.title)).clicked() {
+                        session.recovery.discard(folder);
+                        done = Some(index);
+                    }
+                });
+            });
+            ui.add_space(8.0);
+        }
+        if let Some(index) = done {
+            found.remove(index);
+        }
+    }
+}
+
+fn recent(ui: &mut Ui, session: &Session, open: &mut Option<Open>) {
+    if session.preferences.recent.is_empty() {
+        return;
+    }
+    ui.label(RichText::new("Recent sets").strong());
+    for folder in &session.preferences.recent {
+        if ui.link(folder.display().to_string()).clicked() {
+            *open = Some(opening(folder.clone()));
+        }
+    }
+}
+
+/// A folder without a capture.toml becomes a new set.
+pub fn opening(path: PathBuf) -> Open {
+    if path.is_dir() && !path.join("capture.toml").is_file() { Open::New(path) } else { Open::Set(path) }
+}

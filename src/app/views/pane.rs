@@ -1,0 +1,141 @@
+//! One view: its tool bar, its canvas, and what panels draw over it.
+
+use eframe::egui::{DragValue, RichText, Ui};
+
+use super::picture::{Picture, picture};
+use super::{Arrange, Hover, View, picker};
+use crate::app::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
+use crate::app::panels::{Over, Panels};
+use crate::app::session::Session;
+use crate::gpu::ColourMap;
+
+pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Panels) {
+    ui.push_id(view.id, |ui| {
+        ui.horizontal_wrapped(|ui| tools(ui, view, session));
+        let document = session.document();
+        match picture(&view.shown, &document, &session.results) {
+            Ok(shown) => canvas(ui, view, &shown, session, panels),
+            Err(line) => {
+                ui.centered_and_justified(|ui| ui.label(RichText::new(line).weak()));
+            }
+        }
+    });
+}
+
+fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
+    let document = session.document();
+    ui.menu_button(format!("Picture: {}", view.shown.title()), |ui| {
+        if let Some(chosen) = picker::ui(ui, &document.set, Some(&view.shown)) {
+            view.shown = chosen;
+            view.look = Default::default();
+            session.views.active = Some(view.id);
+        }
+    });
+    let against = view.against.as_ref().map_or("Compare".into(), |other| format!("Compare: {}", other.title()));
+    ui.menu_button(against, |ui| {
+        if ui.selectable_label(view.against.is_none(), "Nothing").clicked() {
+            view.against = None;
+            ui.close();
+        }
+        if let Some(chosen) = picker::ui(ui, &document.set, view.against.as_ref()) {
+            view.against = Some(chosen);
+        }
+    });
+    if let Some(other) = view.against.clone() {
+        ui.toggle_value(&mut view.wipe, "Wipe")
+            .on_hover_text("A line divides the two; without it, hold B to see the other");
+        if ui.button("Difference").on_hover_text("Shows this picture minus the other").clicked() {
+            view.shown = super::Shown::Difference(Box::new(view.shown.clone()), Box::new(other));
+            view.against = None;
+            view.look = Default::default();
+        }
+    }
+    ui.menu_button("Colours", |ui| look(ui, view));
+    ui.menu_button("View", |ui| {
+        ui.checkbox(&mut view.linked, "Zoom and pan with the others");
+        for (name, arrange) in [
+            ("Split right", Arrange::SplitRight),
+            ("Split down", Arrange::SplitDown),
+            ("New tab", Arrange::NewTab),
+            ("Close view", Arrange::Close),
+        ] {
+            if ui.button(name).clicked() {
+                session.views.arrange(view.id, arrange);
+                ui.close();
+            }
+        }
+    });
+}
+
+fn look(ui: &mut Ui, view: &mut View) {
+    let look = &mut view.look;
+    let exposure = ui.label("Exposure");
+    ui.add(DragValue::new(&mut look.exposure_stops).speed(0.05).range(-20.0..=20.0).suffix(" stops"))
+        .labelled_by(exposure.id);
+    let mut gamma = look.gamma.unwrap_or(2.2);
+    ui.horizontal(|ui| {
+        let mut own = look.gamma.is_some();
+        ui.checkbox(&mut own, "Gamma instead of the sRGB curve");
+        ui.add_enabled(own, DragValue::new(&mut gamma).speed(0.02).range(0.2..=5.0).prefix("gamma "));
+        look.gamma = own.then_some(gamma);
+    });
+    ui.separator();
+    ui.label("Colour map");
+    ui.selectable_value(&mut look.map, None, "As the picture proposes");
+    for map in ColourMap::ALL {
+        ui.selectable_value(&mut look.map, Some(map), map.name());
+    }
+    ui.separator();
+    ui.checkbox(&mut look.clip_zebra, "Stripes where light clips");
+    ui.checkbox(&mut look.negative_zebra, "Stripes below zero");
+    ui.checkbox(&mut look.plain, "Without the tints of clipped and dark pixels");
+    if ui.button("Reset colours").clicked() {
+        *look = Default::default();
+    }
+}
+
+fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, panels: &mut Panels) {
+    let document = session.document();
+    let display = view.look.over(&shown.display);
+    let other = view.against.as_ref().and_then(|other| picture(other, &document, &session.results).ok());
+    let other_display = other.as_ref().map(|other| view.look.over(&other.display));
+
+    let mut state = session.views.canvases.remove(&view.id).unwrap_or_default();
+    if view.linked {
+        state.view = session.views.shared;
+    }
+    state.compare = if view.wipe { Compare::Wipe } else { Compare::Hold };
+    let primary = if panels.wants_drag(&view.shown, session) { PrimaryDrag::Caller } else { PrimaryDrag::Pan };
+    let label = view.shown.title();
+    let mut canvas =
+        Canvas::new(&mut state, &shown.source, &display).label(&label).legend(shown.quantity).primary_drag(primary);
+    if let (Some(other), Some(display)) = (&other, &other_display) {
+        canvas = canvas.against(&other.source, display);
+    }
+    let response: CanvasResponse = canvas.show(ui);
+    if view.linked {
+        session.views.shared = state.view;
+    }
+    session.views.canvases.insert(view.id, state);
+
+    if response.response.clicked() || response.response.has_focus() || response.response.drag_started() {
+        session.views.active = Some(view.id);
+    }
+    if let Some(pixel) = response.hovered {
+        session.views.hover = Some(Hover { shown: view.shown.clone(), pixel });
+    }
+    if let Some(resolution) = response.resolution.filter(|resolution| resolution.divisor > 1) {
+        let line = format!(
+            "Shown at 1/{} of its resolution: the picture is larger than the card's textures",
+            resolution.divisor
+        );
+        ui.painter().text(
+            response.transform.rect.left_top() + eframe::egui::vec2(6.0, 6.0),
+            eframe::egui::Align2::LEFT_TOP,
+            line,
+            eframe::egui::TextStyle::Small.resolve(ui.style()),
+            ui.visuals().warn_fg_color,
+        );
+    }
+    panels.overlay(ui, &Over { shown: &view.shown, picture: shown, canvas: &response }, session);
+}

@@ -1,0 +1,52 @@
+//! The menu from which a view's picture is chosen.
+
+use eframe::egui::Ui;
+use firstbounce_capture::CaptureSet;
+
+use super::Shown;
+use crate::app::results::{ShotName, When};
+
+/// The menu's entries, by group: what this set has, whether or not it is computed yet.
+pub fn entries(set: &CaptureSet) -> Vec<(String, Vec<Shown>)> {
+    let mut groups = vec![("Surface".to_owned(), surface())];
+    let bounces = set.bounces();
+    for light in &set.lights {
+        let light = light.name.clone();
+        let mut shown: Vec<_> = (1..=bounces).map(|k| Shown::Bounce { light: light.clone(), k }).collect();
+        shown.push(Shown::Direct { light: light.clone() });
+        if bounces > 1 {
+            shown.push(Shown::FigureOne { light: light.clone() });
+        }
+        shown.push(Shown::Sum { light: light.clone() });
+        shown.push(Shown::Residual { light: light.clone() });
+        shown.push(Shown::Noise { light: light.clone() });
+        shown.push(Shown::Marks { light: light.clone() });
+        groups.push((format!("Light {light}"), shown));
+    }
+    for subject in set.subjects() {
+        let shots: Vec<_> = set.shots_of(subject).map(|shot| Shown::Photo(ShotName::of(shot))).collect();
+        groups.push((format!("Photos, {subject}"), shots));
+    }
+    groups
+}
+
+fn surface() -> Vec<Shown> {
+    let both = |shown: fn(When) -> Shown| [shown(When::After), shown(When::Before)];
+    [both(Shown::Normals), both(Shown::Albedo), both(Shown::NormalNoise), both(Shown::Depth)].concat()
+}
+
+/// The menu's content; the picture that was chosen in this frame.
+pub fn ui(ui: &mut Ui, set: &CaptureSet, current: Option<&Shown>) -> Option<Shown> {
+    let mut chosen = None;
+    for (group, entries) in entries(set) {
+        ui.menu_button(group, |ui| {
+            for shown in entries {
+                if ui.selectable_label(current == Some(&shown), shown.title()).clicked() {
+                    chosen = Some(shown);
+                    ui.close();
+                }
+            }
+        });
+    }
+    chosen
+}

@@ -1,0 +1,237 @@
+//! From what is to be shown to numbers and colours.
+
+use firstbounce_capture::CaptureSet;
+use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
+
+use super::Shown;
+use crate::app::document::Document;
+use crate::app::results::{MarksName, PlaneName, Results, ShotName, Stored};
+use crate::gpu::{ColourMap, Display, Layer, Source, Tint};
+
+/// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
+const FIGURE_ONE_GAIN: f32 = 3.0;
+const LIGHT: &str = "Linear light, 1 = white level";
+
+/// Numbers, and how they are best shown.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// The numbers.
+    pub source: Source,
+    /// A proposal.
+    pub display: Display,
+    /// What the numbers are, with their unit.
+    pub quantity: &'static str,
+}
+
+/// The picture, or one line that says why there is none yet.
+pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, String> {
+    let pictures = results.pictures();
+    let stored = |name: PlaneName| pictures.plane(&name).ok_or_else(|| not_yet(shown, document, results));
+    let masked = |source: Source| with_mask(source, results);
+    match shown {
+        Shown::Photo(shot) => {
+            let photo = stored(PlaneName::Photo(shot.clone()))?;
+            let source = Source::plane(photo.plane.clone());
+            let source = with_marks(source, results, &MarksName::Photo(shot.clone()));
+            Ok(Picture { source, display: grey(photo.range), quantity: LIGHT })
+        }
+        Shown::Bounce { light, k } => {
+            let source = Source::value(bounce(document, results, light, *k)?).map_err(|error| error.to_string())?;
+            let range = pictures.plane(&PlaneName::Bounce(light.clone(), *k)).map(|stored| stored.range);
+            let range = range.or_else(|| reference(document, results, light).map(|photo| photo.range));
+            let source = with_marks(masked(source), results, &MarksName::Separation(light.clone()));
+            Ok(Picture { source, display: grey(range.unwrap_or([0.0, 1.0])), quantity: LIGHT })
+        }
+        Shown::Sum { light } => {
+            let source = Source::value(sum(document, results, light)?).map_err(|error| error.to_string())?;
+            let range = reference(document, results, light).map_or([0.0, 1.0], |photo| photo.range);
+            Ok(Picture { source: masked(source), display: grey(range), quantity: LIGHT })
+        }
+        Shown::FigureOne { light } => {
+            let (first, second) = (bounce(document, results, light, 1)?, bounce(document, results, light, 2)?);
+            let source = Source::figure_one(first, second, FIGURE_ONE_GAIN).map_err(|error| error.to_string())?;
+            let range = reference(document, results, light).map_or([0.0, 1.0], |photo| photo.range);
+            let stops = -range[1].max(f32::MIN_POSITIVE).log2();
+            let display = Display { exposure_stops: stops, ..Display::default() };
+            Ok(Picture { source: masked(source), display, quantity: "Bounce 1 red, bounce 2 times 3 cyan" })
+        }
+        Shown::Residual { light } => {
+            let plane = stored(PlaneName::Residual(light.clone()))?;
+            Ok(value(plane, ColourMap::Viridis, "Root mean square residual, linear light", &masked))
+        }
+        Shown::Noise { light } => {
+            let plane = stored(PlaneName::Noise(light.clone()))?;
+            Ok(value(plane, ColourMap::Viridis, "Predicted noise, linear light", &masked))
+        }
+        Shown::Direct { light } => {
+            let plane = stored(PlaneName::Direct(light.clone()))?;
+            Ok(Picture {
+                source: masked(Source::plane(plane.plane.clone())),
+                display: grey(plane.range),
+                quantity: LIGHT,
+            })
+        }
+        Shown::Marks { light } => {
+            let photo = reference(document, results, light).ok_or_else(|| not_yet(shown, document, results))?;
+            let source = Source::plane(photo.plane.clone());
+            let source = with_marks(source, results, &MarksName::Separation(light.clone()));
+            Ok(Picture { source, display: all_marks(grey(photo.range)), quantity: LIGHT })
+        }
+        Shown::Normals(when) => {
+            let axis = |axis: usize| stored(PlaneName::Normal(*when, axis)).map(|stored| stored.plane.clone());
+            let source = Source::normals([axis(0)?, axis(1)?, axis(2)?]).map_err(|error| error.to_string())?;
+            let source = with_marks(masked(source), results, &MarksName::Normals(*when));
+            Ok(Picture { source, display: Display::default(), quantity: "Normal x, y, z as red, green, blue" })
+        }
+        Shown::Albedo(when) => {
+            let plane = stored(PlaneName::Albedo(*when))?;
+            Ok(Picture {
+                source: masked(Source::plane(plane.plane.clone())),
+                display: grey([0.0, plane.range[1]]),
+                quantity: "Albedo, relative to the first lamp",
+            })
+        }
+        Shown::NormalNoise(when) => {
+            Ok(value(stored(PlaneName::NormalNoise(*when))?, ColourMap::Viridis, "Predicted noise, degrees", &masked))
+        }
+        Shown::Depth(when) => {
+            let quantity = if has_scale(&document.set) { "Depth toward the camera, mm" } else { "Depth, pixels" };
+            Ok(value(stored(PlaneName::Depth(*when))?, ColourMap::Viridis, quantity, &masked))
+        }
+        Shown::Difference(a, b) => {
+            let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
+            let source = Source::difference(first, second).map_err(|error| error.to_string())?;
+            let largest = picture(a, document, results)?.display.range[1].abs() / 4.0;
+            Ok(Picture { source: masked(source), display: Display::signed(largest), quantity: "Difference" })
+        }
+    }
+}
+
+/// A picture of single values as a layer, to compare it with another.
+pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<Layer, String> {
+    let stored = |name: PlaneName| {
+        let stored = results.pictures().plane(&name).ok_or_else(|| not_yet(shown, document, results))?;
+        Ok(Layer::from(stored.plane.clone()))
+    };
+    match shown {
+        Shown::Photo(shot) => stored(PlaneName::Photo(shot.clone())),
+        Shown::Bounce { light, k } => bounce(document, results, light, *k),
+        Shown::Sum { light } => sum(document, results, light),
+        Shown::Residual { light } => stored(PlaneName::Residual(light.clone())),
+        Shown::Noise { light } => stored(PlaneName::Noise(light.clone())),
+        Shown::Direct { light } => stored(PlaneName::Direct(light.clone())),
+        Shown::Albedo(when) => stored(PlaneName::Albedo(*when)),
+        Shown::NormalNoise(when) => stored(PlaneName::NormalNoise(*when)),
+        Shown::Depth(when) => stored(PlaneName::Depth(*when)),
+        Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Difference(..) => {
+            Err(format!("{} has more than one value a pixel: choose another picture", shown.title()))
+        }
+    }
+}
+
+/// Bounce k of a light as weights on its photos.
+fn bounce(document: &Document, results: &Results, light: &str, k: usize) -> Result<Layer, String> {
+    let system = results.rig(document).system(light)?;
+    if k == 0 || k > system.operator.nrows() {
+        return Err(format!("bounce {k} is not separated: choose an order of at least {k} in Separate"));
+    }
+    combination(document, results, light, |c| system.operator[(k - 1, c)])
+}
+
+fn sum(document: &Document, results: &Results, light: &str) -> Result<Layer, String> {
+    let system = results.rig(document).system(light)?;
+    combination(document, results, light, |c| system.operator.column(c).sum())
+}
+
+fn combination(
+    document: &Document,
+    results: &Results,
+    light: &str,
+    weight: impl Fn(usize) -> f64,
+) -> Result<Layer, String> {
+    let mut planes = Vec::new();
+    let mut weights = Vec::new();
+    for (c, colour) in document.set.colours.iter().enumerate() {
+        let shown = Shown::object(light, &colour.name);
+        let Shown::Photo(name) = &shown else { continue };
+        let missing = || not_yet(&shown, document, results);
+        let stored = results.pictures().plane(&PlaneName::Photo(name.clone())).ok_or_else(missing)?;
+        planes.push(stored.plane.clone());
+        weights.push(weight(c) as f32);
+    }
+    Layer::combination(&planes, &weights).map_err(|error| error.to_string())
+}
+
+/// The reference colour's photo of a light.
+fn reference<'a>(document: &Document, results: &'a Results, light: &str) -> Option<&'a Stored> {
+    let colour = document.set.colours.first()?;
+    let Shown::Photo(name) = Shown::object(light, &colour.name) else { return None };
+    results.pictures().plane(&PlaneName::Photo(name))
+}
+
+fn value(stored: &Stored, map: ColourMap, quantity: &'static str, masked: &dyn Fn(Source) -> Source) -> Picture {
+    let display = Display { map, range: stored.range, ..Display::default() };
+    Picture { source: masked(Source::plane(stored.plane.clone())), display, quantity }
+}
+
+/// Light from black to the brightest value.
+fn grey(range: [f32; 2]) -> Display {
+    Display { range: [0.0, range[1].max(f32::MIN_POSITIVE)], ..Display::default() }
+}
+
+fn all_marks(display: Display) -> Display {
+    let mut display = display;
+    display.tints[UNSOLVED.trailing_zeros() as usize] = Tint { colour: [224, 168, 32], strength: 0.8 };
+    display.tints[OUTSIDE.trailing_zeros() as usize] = Tint { colour: [90, 90, 90], strength: 0.5 };
+    display
+}
+
+fn with_mask(source: Source, results: &Results) -> Source {
+    match results.pictures().marks(&MarksName::Mask) {
+        Some(mask) => source.clone().with_mask(mask.clone()).unwrap_or(source),
+        None => source,
+    }
+}
+
+fn with_marks(source: Source, results: &Results, name: &MarksName) -> Source {
+    match results.pictures().marks(name) {
+        Some(marks) => source.clone().with_marks(marks.clone()).unwrap_or(source),
+        None => source,
+    }
+}
+
+fn has_scale(set: &CaptureSet) -> bool {
+    use firstbounce_capture::set::Projection;
+    !matches!(set.camera.projection, Projection::Orthographic { mm_per_pixel: None })
+}
+
+/// Why a picture is not there, and what to do.
+fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
+    use crate::app::results::{StageState, Step};
+    let step = match shown {
+        Shown::Photo(name) => return no_photo(name, document, results),
+        Shown::Bounce { .. } | Shown::Sum { .. } | Shown::FigureOne { .. } | Shown::Difference(..) => Step::Load,
+        Shown::Residual { .. } if results.rig(document).bounces >= document.set.colours.len() => {
+            return "with as many bounces as colours nothing is left over: choose a lower order in Separate".into();
+        }
+        Shown::Residual { .. } | Shown::Noise { .. } | Shown::Marks { .. } => Step::Separate,
+        Shown::Direct { .. } | Shown::Normals(_) | Shown::Albedo(_) | Shown::NormalNoise(_) | Shown::Depth(_) => {
+            Step::Shape
+        }
+    };
+    match results.state(step, document) {
+        StageState::Failed { line } | StageState::Blocked { line } => line,
+        StageState::Stale | StageState::Running { .. } => format!("{step} is on its way"),
+        StageState::Ready => "there is no such picture in this set: choose another".into(),
+    }
+}
+
+fn no_photo(name: &ShotName, document: &Document, results: &Results) -> String {
+    if !document.set.shots.iter().any(|shot| ShotName::of(shot) == *name) {
+        return "this shot is not in the set: choose another picture, or add its file in Captures".into();
+    }
+    match results.loaded().as_ref().and_then(|loaded| loaded.shot(name)).map(|shot| &shot.photo) {
+        Some(Err(line)) => line.clone(),
+        _ => "the photo is being read".into(),
+    }
+}

@@ -1,0 +1,51 @@
+//! The tiles on the screen.
+
+use eframe::egui::{Id, Ui, WidgetText};
+use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, Tree, UiResponse};
+
+use super::{Arrange, View, pane};
+use crate::app::panels::Panels;
+use crate::app::session::Session;
+
+/// All views, filling the space that is left.
+pub fn ui(ui: &mut Ui, session: &mut Session, panels: &mut Panels) {
+    let mut tree = std::mem::replace(&mut session.views.tree, Tree::empty(Id::unique("views")));
+    session.views.hover = None;
+    tree.ui(&mut Behaviour { session, panels }, ui);
+    session.views.tree = tree;
+    session.views.apply_arrangement();
+    if let Some(shown) = session.views.wanted.take() {
+        session.views.show(shown);
+    }
+}
+
+struct Behaviour<'a> {
+    session: &'a mut Session,
+    panels: &'a mut Panels,
+}
+
+impl Behavior<View> for Behaviour<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _: TileId, view: &mut View) -> UiResponse {
+        pane::ui(ui, view, self.session, self.panels);
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, view: &View) -> WidgetText {
+        view.shown.title().into()
+    }
+
+    fn is_tab_closable(&self, tiles: &Tiles<View>, _: TileId) -> bool {
+        tiles.tiles().filter(|tile| matches!(tile, egui_tiles::Tile::Pane(_))).count() > 1
+    }
+
+    fn on_tab_close(&mut self, tiles: &mut Tiles<View>, tile: TileId) -> bool {
+        if let Some(view) = tiles.get_pane(&tile) {
+            self.session.views.arrange(view.id, Arrange::Close);
+        }
+        false
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
+    }
+}

@@ -1,0 +1,171 @@
+//! What the window shows over and around panels and views: palette, help, questions, notices.
+
+use eframe::egui::{Context, Id, Modal, Panel, Ui, ViewportCommand, Window};
+
+use super::frame_times::FrameTimes;
+use crate::app::commands::{HelpSheet, Palette};
+use crate::app::dialogs::Choose;
+use crate::app::path_field::PathField;
+use crate::app::session::Session;
+
+/// What is open around the panels.
+pub struct Chrome {
+    /// Whether the steps are shown.
+    pub steps: bool,
+    /// Whether the inspector is shown.
+    pub inspector: bool,
+    /// Whether the log is shown.
+    pub log: bool,
+    /// Whether the window tells about itself.
+    pub about: bool,
+    /// Commands by their letters.
+    pub palette: Palette,
+    /// Commands with their keys.
+    pub help: HelpSheet,
+    /// How long frames take.
+    pub frame_times: FrameTimes,
+    pub(super) focused: Option<Id>,
+    save_as: Option<PathField>,
+    leaving: Option<Leaving>,
+    may_close: bool,
+}
+
+/// What waits for an answer about unsaved edits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Leaving {
+    Set,
+    Program,
+}
+
+impl Default for Chrome {
+    fn default() -> Self {
+        Self {
+            steps: true,
+            inspector: true,
+            log: false,
+            about: false,
+            palette: Palette::default(),
+            help: HelpSheet::default(),
+            frame_times: FrameTimes::default(),
+            focused: None,
+            save_as: None,
+            leaving: None,
+            may_close: false,
+        }
+    }
+}
+
+impl Chrome {
+    /// Leaves the open set for the start screen, after asking about unsaved edits.
+    pub fn leave_set(&mut self, session: &mut Session) {
+        if session.is_open() && session.editor.is_dirty() {
+            self.leaving = Some(Leaving::Set);
+        } else {
+            session.leave();
+        }
+    }
+
+    /// Asks for the folder to save into.
+    pub fn ask_save_as(&mut self, session: &Session) {
+        self.save_as = Some(PathField::holding(session.document().set.folder.display().to_string()));
+    }
+
+    /// Keeps the window open while something is unsaved and nobody has said what to do with it.
+    pub fn guard_close(&mut self, context: &Context, session: &mut Session) {
+        if context.input(|input| input.viewport().close_requested()) && !self.may_close && session.editor.is_dirty() {
+            context.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.leaving = Some(Leaving::Program);
+        }
+    }
+
+    /// What happened to the file of the set.
+    pub fn notices(&mut self, ui: &mut Ui, session: &mut Session) {
+        if !session.changed_on_disk {
+            return;
+        }
+        Panel::top("changed on disk").show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                ui.colored_label(ui.visuals().warn_fg_color, "Another program has changed capture.toml.");
+                if ui.button("Reload it").clicked() {
+                    session.reload_from_disk();
+                }
+                if ui.button("Keep mine").on_hover_text("Saving will replace what the other program wrote").clicked() {
+                    session.keep_mine();
+                }
+            });
+        });
+    }
+
+    /// Everything that lies over the window.
+    pub fn dialogs(&mut self, context: &Context, session: &mut Session) {
+        self.help.ui(context);
+        self.frame_times.ui(context);
+        Window::new("About Firstbounce").open(&mut self.about).resizable(false).show(context, |ui| {
+            ui.label(format!("Firstbounce {}", env!("CARGO_PKG_VERSION")));
+            ui.label("Takes the light between an object's own walls out of photometric stereo.");
+            ui.label("Method: Liao, Huang, Yang, CVPR 2011.");
+            ui.label(format!("Licence: {}", env!("CARGO_PKG_LICENSE")));
+        });
+        self.ask_where(context, session);
+        self.ask_about_unsaved(context, session);
+    }
+
+    fn ask_where(&mut self, context: &Context, session: &mut Session) {
+        let Some(field) = &mut self.save_as else { return };
+        let mut done = false;
+        let modal = Modal::new(Id::unique("save as")).show(context, |ui| {
+            ui.set_width(460.0);
+            ui.heading("Save as");
+            let dialogs = session.dialogs();
+            let label = "Folder of the new set";
+            let mut chosen = field.ui(ui, label, Choose::Folder, &dialogs, &mut session.jobs).into_iter().next();
+            ui.label("The photos stay where they are; the new capture.toml names them.");
+            ui.horizontal(|ui| {
+                if ui.button("Save here").clicked() && !field.text.trim().is_empty() {
+                    chosen = Some(field.text.trim().into());
+                }
+                done |= ui.button("Cancel").clicked();
+            });
+            if let Some(folder) = chosen {
+                session.save_as(&folder);
+                done = true;
+            }
+        });
+        if done || modal.should_close() {
+            self.save_as = None;
+        }
+    }
+
+    fn ask_about_unsaved(&mut self, context: &Context, session: &mut Session) {
+        let Some(leaving) = self.leaving else { return };
+        let mut answer = None;
+        let modal = Modal::new(Id::unique("unsaved")).show(context, |ui| {
+            ui.heading(format!("Save the changes to {}?", session.document().set.title()));
+            ui.horizontal(|ui| {
+                if ui.button("Save").clicked() {
+                    session.save();
+                    answer = Some(!session.editor.is_dirty());
+                }
+                if ui.button("Do not save").clicked() {
+                    answer = Some(true);
+                }
+                if ui.button("Stay").clicked() {
+                    answer = Some(false);
+                }
+            });
+        });
+        if modal.should_close() {
+            answer = Some(false);
+        }
+        let Some(leave) = answer else { return };
+        self.leaving = None;
+        match leaving {
+            Leaving::Set if leave => session.leave(),
+            Leaving::Program if leave => {
+                self.may_close = true;
+                context.send_viewport_cmd(ViewportCommand::Close);
+            }
+            _ => {}
+        }
+    }
+}
