@@ -105,6 +105,8 @@ pub fn summary(report: &Report, folder: &Path) -> String {
         format!("{}: {} bounces, {} object pixels", report.set.name, report.bounces, report.set.mask_pixels),
         table(&rows),
     ];
+    lines.push(format!("separation: {}", report.trust.level));
+    lines.extend(report.trust.advice.iter().map(|advice| format!("  better: {advice}")));
     if let Some(shape) = &report.shape {
         lines.push(format!(
             "normals for {} pixels, expected noise {:.2} degrees; mesh of {} vertices in {}",

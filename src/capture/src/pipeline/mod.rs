@@ -8,6 +8,7 @@ mod load;
 mod output;
 mod solve;
 mod survey;
+mod trust;
 mod watch;
 
 pub use calibrate::{
@@ -23,4 +24,5 @@ pub use solve::{
     separate_lights, solve, triangulate,
 };
 pub use survey::{Exposed, region_of, survey, thumbnail};
+pub use trust::{ObjectLevels, judge};
 pub use watch::{PipelineWatch, Stage, Unattended};

@@ -5,11 +5,15 @@ use firstbounce_core::mesh::{MeshOptions, from_depth};
 use firstbounce_core::normals::{DirectLight, Lamp};
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, SeparateReport, Separation, separate};
 use firstbounce_core::shape::{Shape, ShapeOptions, recover_shape};
+use firstbounce_core::trust::{Trust, TrustOptions};
 use firstbounce_core::{Camera, Mesh, Plane, Projection};
 use nalgebra::{Point3, Vector3};
 
 use super::watch::Part;
-use super::{Calibrated, ObjectPhotos, PipelineError, PipelineWatch, Stage, StageCost, calibrate_for, load_object};
+use super::{
+    Calibrated, ObjectLevels, ObjectPhotos, PipelineError, PipelineWatch, Stage, StageCost, calibrate_for, judge,
+    load_object,
+};
 use crate::set::{self, CaptureSet};
 
 /// How to get from photos to a mesh.
@@ -73,6 +77,8 @@ pub struct Solved {
     pub calibrated: Calibrated,
     /// The bounces.
     pub separated: Separated,
+    /// How far the bounces can be trusted.
+    pub trust: Trust,
     /// By light, bounce 1 with less noise: what the surface is recovered from.
     pub direct: Vec<Direct>,
     /// The surface from bounce 1, or why there is none; the bounces stand either way.
@@ -92,6 +98,8 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
     let separated = StageCost::measure(&mut stages, Stage::Separate, || {
         separate_lights(set, &object, &calibrated, bounces, watch)
     })?;
+    let trust_options = TrustOptions { bounces, indirect: options.indirect, ..TrustOptions::default() };
+    let trust = judge(set, &ObjectLevels::of(set, &object), &calibrated, &trust_options)?;
     let direct = StageCost::measure(&mut stages, Stage::Separate, || {
         quiet_lights(set, &object, &calibrated, &separated, &options.indirect, watch)
     })?;
@@ -114,7 +122,7 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
         Ok(_) => Some(stage(&raw, 1, &mut stages)?),
         Err(_) => None,
     };
-    Ok(Solved { object, calibrated, separated, direct, after, before, stages })
+    Ok(Solved { object, calibrated, separated, trust, direct, after, before, stages })
 }
 
 /// Separates every light into `bounces` bounces.

@@ -38,6 +38,7 @@ pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String
                 h1 { (report.set.name) }
                 p { (summary(report)) }
                 (warnings(report))
+                (trust_section(report))
                 h2 { "Captures and bounces" }
                 @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
                 (shape_section(solved, report, pictures)?)
@@ -73,6 +74,28 @@ fn warnings(report: &Report) -> Markup {
         @if !report.warnings.is_empty() {
             div.warning { h2 { "Take care" } ul { @for warning in &report.warnings { li { (warning) } } } }
         }
+    }
+}
+
+fn trust_section(report: &Report) -> Markup {
+    let trust = &report.trust;
+    html! {
+        h2 { "Trust" }
+        p { "Verdict: " strong { (trust.level) } "." }
+        table {
+            tr { th { "Light" } th { "noise of bounce 1, %" } th { "once quietened, %" } th { "calibration, %" } th { "tail, %" } }
+            @for (light, words) in &trust.light {
+                tr {
+                    td { (light) } td { (number(words.noise_percent)) } td { (number(words.quiet_noise_percent)) }
+                    td { (number(words.calibration_percent)) } td { (words.tail_percent.map_or("?".into(), number)) }
+                }
+            }
+        }
+        @if let Some(normal) = &trust.normal {
+            p { "Expected error of normals: " (number(normal.quiet_noise_deg)) " degrees by noise, "
+                (number(normal.calibration_deg)) " by calibration." }
+        }
+        @if !trust.advice.is_empty() { p { "Better:" } ul { @for line in &trust.advice { li { (line) } } } }
     }
 }
 

@@ -5,7 +5,7 @@ use firstbounce_core::separate::SeparateReport;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::CalibrationWords;
+use super::{CalibrationWords, TrustWords};
 use crate::image_file::GreenAxis;
 use crate::pipeline::{Solved, StageCost, Surfaced};
 use crate::set::CaptureSet;
@@ -23,6 +23,8 @@ pub struct Report {
     pub bounces: usize,
     /// By light.
     pub separation: IndexMap<String, LightWords>,
+    /// How far the bounces can be trusted, and why.
+    pub trust: TrustWords,
     /// The surface from bounce 1; absent where there is none.
     pub shape: Option<ShapeWords>,
     /// The surface from the photos as they are.
@@ -172,7 +174,9 @@ impl Report {
         let size = solved.object.mask.size();
         let shape = solved.after.as_ref().ok().map(ShapeWords::of);
         let names = set.lights.iter().map(|light| light.name.clone());
-        let warnings = solved.object.warnings.iter().chain(&solved.calibrated.warnings).cloned().collect();
+        let trust = TrustWords::of(set, &solved.trust);
+        let of_photos = solved.object.warnings.iter().chain(&solved.calibrated.warnings).cloned();
+        let warnings = of_photos.chain(trust.warnings()).collect();
         Self {
             program: format!("Firstbounce {}", env!("CARGO_PKG_VERSION")),
             set: SetWords {
@@ -186,6 +190,7 @@ impl Report {
             calibration: CalibrationWords::of(set, &solved.calibrated),
             bounces: solved.separated.reports.first().map_or(0, |report| report.bounces),
             separation: names.zip(solved.separated.reports.iter().map(LightWords::of)).collect(),
+            trust,
             conventions: Conventions::of(green, shape.as_ref().map_or("none", |shape| shape.mesh.unit)),
             shape,
             before: solved.before.as_ref().map(ShapeWords::of),

@@ -81,7 +81,7 @@ impl Known<f64> {
     }
 
     /// As the core's formulas take it; a typed value counts as exact.
-    fn estimate(&self) -> Estimate {
+    pub(super) fn estimate(&self) -> Estimate {
         let [low, high] = self.interval.unwrap_or([self.value; 2]);
         Estimate { value: self.value, interval: firstbounce_core::interval::Interval { low, high } }
     }
