@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use eframe::egui::{Button, RichText, Ui};
+use firstbounce_capture::OutputFolder;
 use firstbounce_capture::image_file::GreenAxis;
 use firstbounce_capture::pipeline::{OutputOptions, write_solved};
 use firstbounce_capture::report::Report;
@@ -51,14 +52,14 @@ impl Export {
         let state = session.results.state(Step::Mesh, &document);
         let can_write = state == StageState::Ready && self.writing.is_none() && !self.folder.text.trim().is_empty();
         if ui.add_enabled(can_write, Button::new("Write all results")).clicked()
-            && let Some(mut solved) = solved(&session.results)
+            && let Some(mut solved) = solved(&session.results, &document)
         {
             let folder = PathBuf::from(self.folder.text.trim());
             let green = if self.green_down { GreenAxis::Down } else { GreenAxis::Up };
             let (set, target) = (document.set.clone(), folder.clone());
             let task = session.jobs.start("Write results", move |job| {
-                write_solved(&set, &mut solved, &target, OutputOptions { green }, job)
-                    .map_err(|error| error.to_string())
+                let output = OutputFolder::stage(target).map_err(|error| error.to_string())?;
+                write_solved(&set, &mut solved, output, OutputOptions { green }, job).map_err(|error| error.to_string())
             });
             self.writing = Some((folder, task));
         }

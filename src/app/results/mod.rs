@@ -10,9 +10,10 @@ mod stage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use firstbounce_capture::pipeline::{Calibrated, Direct, Separated, Surfaced};
+use firstbounce_capture::pipeline::{Calibrated, Direct, ObjectLevels, Separated, Surfaced, judge};
 use firstbounce_core::Mesh;
 use firstbounce_core::shape::Shape;
+use firstbounce_core::trust::TrustOptions;
 
 use super::document::Document;
 use super::jobs::{Jobs, Task};
@@ -337,14 +338,19 @@ impl Outcome {
 }
 
 /// The results as the pipeline's writer takes them; `None` until all of them are there.
-pub fn solved(results: &Results) -> Option<firstbounce_capture::pipeline::Solved> {
+pub fn solved(results: &Results, document: &Document) -> Option<firstbounce_capture::pipeline::Solved> {
     let (loaded, separated, shapes, meshes) =
         (results.loaded()?, results.separated()?, results.shapes()?, results.meshes()?);
     let surfaced = |shape: &Shape, mesh: &Mesh| Surfaced { shape: shape.clone(), mesh: mesh.clone() };
+    let object = loaded.object.as_ref().ok()?.clone();
+    let calibrated = results.calibration()?.calibrated.clone();
+    let options = TrustOptions { bounces: separated.reports.first()?.bounces, ..TrustOptions::default() };
+    let trust = judge(&document.set, &ObjectLevels::of(&document.set, &object), &calibrated, &options).ok()?;
     Some(firstbounce_capture::pipeline::Solved {
-        object: loaded.object.as_ref().ok()?.clone(),
-        calibrated: results.calibration()?.calibrated.clone(),
+        object,
+        calibrated,
         separated: Separated::clone(&separated),
+        trust,
         direct: shapes.direct.iter().map(Direct::clone).collect(),
         after: Ok(surfaced(&shapes.after, &meshes.after)),
         before: Some(surfaced(&shapes.before, &meshes.before)),
