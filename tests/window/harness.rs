@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, HarnessBuilder};
 use firstbounce::app::dialogs::{Choose, Dialogs};
 use firstbounce::app::preferences::Folders;
 use firstbounce::app::session::{Open, Session};
@@ -41,9 +41,18 @@ impl Hands {
 
     /// A window that remembers what lies in `folder`.
     pub fn with_folder(folder: TempDir) -> Self {
+        Self::built(folder, Harness::builder())
+    }
+
+    /// A window that draws; needs a graphics adapter.
+    pub fn drawing() -> Self {
+        Self::built(tempfile::tempdir().expect("a temporary folder"), Harness::builder().wgpu())
+    }
+
+    fn built(folder: TempDir, builder: HarnessBuilder<Window>) -> Self {
         let answers = Arc::new(Answers::default());
         let (folders, dialogs) = (Folders::below(&folder.path().join("config")), answers.clone());
-        let mut harness = Harness::builder()
+        let mut harness = builder
             .with_size(Vec2::new(1280.0, 800.0))
             .with_max_steps(200)
             .with_step_dt(1.0 / 60.0)

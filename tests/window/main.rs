@@ -1,7 +1,9 @@
-//! The whole window, by its accessible names. No test here draws, so none needs a graphics adapter.
+//! The whole window, by its accessible names. No test here draws, so none needs a graphics adapter; only the screenshots,
+//! which are made on request, do.
 
 mod disk;
 mod edits;
 mod harness;
 mod results;
+mod screenshots;
 mod start;

@@ -1,0 +1,58 @@
+//! The pictures in `screenshots/`, from the demo set:
+//!
+//! `cargo test --test window screenshots -- --ignored`
+
+use std::path::Path;
+
+use firstbounce::app::panels::PanelName;
+use firstbounce::app::results::{ShotName, When};
+use firstbounce::app::session::Open;
+use firstbounce::app::views::Shown;
+use firstbounce_capture::set::Subject;
+
+use crate::harness::Hands;
+
+#[test]
+#[ignore = "writes into screenshots/; run it by the command above"]
+fn make_screenshots() {
+    let mut hands = Hands::drawing();
+    save(&mut hands, "start");
+
+    let set = hands.demo();
+    hands.open(Open::Set(set));
+    hands.rest();
+    step(&mut hands, PanelName::Captures, photo(Subject::Object));
+    save(&mut hands, "captures");
+
+    step(&mut hands, PanelName::Calibrate, photo(Subject::GreySphere));
+    save(&mut hands, "calibrate");
+
+    hands.session().edit("Type beta", |document| document.set.calibration.beta = Some(vec![1.0, 0.97]));
+    step(&mut hands, PanelName::Separate, Shown::Bounce { light: "left".into(), k: 1 });
+    save(&mut hands, "separate");
+
+    hands.session().edit("Go back to the measured beta", |document| document.set.calibration.beta = None);
+    step(&mut hands, PanelName::Shape, Shown::Normals(When::After));
+    save(&mut hands, "shape");
+}
+
+fn photo(subject: Subject) -> Shown {
+    Shown::Photo(ShotName { subject, light: Some("left".into()), colour: Some("blue".into()) })
+}
+
+/// Opens a step with a picture and waits until all of it is there.
+fn step(hands: &mut Hands, panel: PanelName, shown: Shown) {
+    hands.session().panel = panel;
+    hands.session().views.show(shown);
+    hands.rest();
+    // Pictures reach the card a little in each frame, and toasts go.
+    for _ in 0..40 {
+        hands.harness.run_steps(10);
+    }
+}
+
+fn save(hands: &mut Hands, name: &str) {
+    let picture = hands.harness.render().expect("a graphics adapter");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots");
+    picture.save(folder.join(format!("{name}.png"))).expect("the folder screenshots/ can be written");
+}
