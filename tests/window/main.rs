@@ -3,5 +3,6 @@
 mod disk;
 mod edits;
 mod harness;
+mod keyboard;
 mod results;
 mod start;
