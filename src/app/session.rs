@@ -277,7 +277,7 @@ impl Session {
             self.recovery.keep();
         }
         let log = &mut self.log;
-        self.results.update(&document, &mut self.jobs, &mut |line| log.add(Level::Error, line))
+        self.results.update(&document, &mut self.jobs, &mut |level, line| log.add(level, line))
     }
 }
 
