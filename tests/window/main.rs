@@ -4,6 +4,7 @@
 mod disk;
 mod edits;
 mod harness;
+mod keyboard;
 mod results;
 mod screenshots;
 mod start;
