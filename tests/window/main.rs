@@ -3,5 +3,7 @@
 mod disk;
 mod edits;
 mod harness;
+mod inspector;
 mod results;
+mod separate;
 mod start;

@@ -345,6 +345,7 @@ pub fn solved(results: &Results) -> Option<firstbounce_capture::pipeline::Solved
         object: loaded.object.as_ref().ok()?.clone(),
         calibrated: results.calibration()?.calibrated.clone(),
         separated: Separated::clone(&separated),
+        trust: shapes.trust.clone(),
         direct: shapes.direct.iter().map(Direct::clone).collect(),
         after: Ok(surfaced(&shapes.after, &meshes.after)),
         before: Some(surfaced(&shapes.before, &meshes.before)),

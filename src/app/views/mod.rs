@@ -14,6 +14,7 @@ use egui_tiles::{LinearDir, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
 pub use look::Look;
+pub use picker::{entries, ui as picker};
 pub use picture::{Picture, picture};
 pub use shown::Shown;
 pub use tiles::ui;

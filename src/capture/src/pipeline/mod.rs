@@ -20,5 +20,5 @@ pub use solve::{
     Direct, Separated, SolveOptions, Solved, Surfaced, camera_of, lamps, quiet_lights, raw_lights, recover,
     separate_lights, solve, triangulate,
 };
-pub use trust::{ObjectLevels, judge};
+pub use trust::{ObjectLevels, judge, rig_of};
 pub use watch::{PipelineWatch, Stage, Unattended};
