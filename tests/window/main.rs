@@ -4,6 +4,7 @@ mod disk;
 mod edits;
 mod harness;
 mod inspector;
+mod keyboard;
 mod results;
 mod separate;
 mod start;

@@ -11,7 +11,7 @@ use super::Panel;
 use crate::app::dialogs::Choose;
 use crate::app::jobs::Task;
 use crate::app::path_field::PathField;
-use crate::app::results::{StageState, Step, solved};
+use crate::app::results::{StageState, Step};
 use crate::app::session::Session;
 use crate::app::window::advice;
 
@@ -51,12 +51,13 @@ impl Export {
         let state = session.results.state(Step::Mesh, &document);
         let can_write = state == StageState::Ready && self.writing.is_none() && !self.folder.text.trim().is_empty();
         if ui.add_enabled(can_write, Button::new("Write all results")).clicked()
-            && let Some(mut solved) = solved(&session.results)
+            && let Some(finished) = session.results.finished()
         {
             let folder = PathBuf::from(self.folder.text.trim());
             let green = if self.green_down { GreenAxis::Down } else { GreenAxis::Up };
             let (set, target) = (document.set.clone(), folder.clone());
             let task = session.jobs.start("Write results", move |job| {
+                let mut solved = finished.solved()?;
                 write_solved(&set, &mut solved, &target, OutputOptions { green }, job)
                     .map_err(|error| error.to_string())
             });

@@ -134,8 +134,7 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
             ui.end_row();
         }
     });
-    let (before, after) = (&shapes.before.normals, &shapes.after.normals);
-    if let Some(turned) = before.map.angular_error(&after.map, &after.solved()) {
+    if let Some(turned) = shapes.turned {
         ui.label(format!(
             "The normals turned by {:.2} degrees on the mean, {:.2} in the median.",
             turned.mean_deg, turned.median_deg

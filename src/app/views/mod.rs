@@ -5,6 +5,7 @@ mod pane;
 mod picker;
 mod picture;
 mod shown;
+mod statistics;
 mod tiles;
 
 use std::collections::HashMap;
@@ -15,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 pub use look::Look;
 pub use picker::{entries, ui as picker};
-pub use picture::{Picture, picture};
+pub use picture::{Picture, layer, picture};
 pub use shown::Shown;
 pub use tiles::ui;
 
@@ -51,6 +52,7 @@ pub struct Hover {
 pub struct Views {
     tree: Tree<View>,
     canvases: HashMap<u64, CanvasState>,
+    statistics: statistics::Statistics,
     /// The zoom and pan that linked views share.
     shared: canvas::View,
     /// The pixel that is looked at, in this frame or the last.
@@ -95,6 +97,7 @@ impl Views {
         Self {
             tree,
             canvases: HashMap::new(),
+            statistics: Default::default(),
             shared: canvas::View::Fit,
             hover: None,
             active,
