@@ -16,6 +16,7 @@ mod textures;
 mod transfer;
 mod twin;
 mod uniforms;
+mod values;
 
 pub use callback::{CanvasCallback, CanvasStatus, install};
 pub use card::{Bound, CanvasGpu};

@@ -136,4 +136,14 @@ impl Hands {
         self.harness.get_by_role_and_label(Role::TextInput, label).type_text(text);
         self.steps();
     }
+
+    /// Types a number into a field with this label, as with the keyboard.
+    pub fn type_number(&mut self, label: &str, text: &str) {
+        self.harness.get_by_role_and_label(Role::SpinButton, label).focus();
+        self.steps();
+        self.press(Modifiers::COMMAND, Key::A);
+        self.harness.get_by_role_and_label(Role::SpinButton, label).type_text(text);
+        self.steps();
+        self.press(Modifiers::NONE, Key::Enter);
+    }
 }

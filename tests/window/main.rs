@@ -4,7 +4,9 @@
 mod disk;
 mod edits;
 mod harness;
+mod inspector;
 mod keyboard;
 mod results;
 mod screenshots;
+mod separate;
 mod start;

@@ -59,7 +59,7 @@ impl Export {
             let (set, target) = (document.set.clone(), folder.clone());
             let task = session.jobs.start("Write results", move |job| {
                 let output = OutputFolder::stage(target).map_err(|error| error.to_string())?;
-                let mut solved = finished.solved(&set)?;
+                let mut solved = finished.solved()?;
                 write_solved(&set, &mut solved, output, OutputOptions { green }, job).map_err(|error| error.to_string())
             });
             self.writing = Some((folder, task));

@@ -1,7 +1,9 @@
 //! What follows from the document at once, without waiting for a stage: alpha, beta and the bounce operator. A typed value
 //! is in force in the frame in which it is typed.
 
+use firstbounce_capture::pipeline::{Calibrated, rig_of};
 use firstbounce_core::separate::BounceSystem;
+use firstbounce_core::trust;
 
 use super::Results;
 use crate::app::document::Document;
@@ -54,6 +56,21 @@ impl Rig {
 }
 
 impl Results {
+    /// What a verdict on this document's separation depends on: as the pipeline takes it, with typed values in force at
+    /// once. An error says what is missing.
+    pub fn trust_rig(&self, document: &Document) -> Result<trust::Rig, String> {
+        let set = &document.set;
+        let loaded = self.load.last.as_deref().ok_or("the photos are being read")?;
+        let same = |names: &[String], now: Vec<&String>| names.iter().eq(now);
+        let calibration = self.calibrate.last.as_deref().filter(|calibration| {
+            same(&calibration.lights, set.lights.iter().map(|light| &light.name).collect())
+                && same(&calibration.colours, set.colours.iter().map(|colour| &colour.name).collect())
+        });
+        let nothing = Calibrated::default();
+        let calibrated = calibration.map_or(&nothing, |calibration| &calibration.calibrated);
+        rig_of(set, &loaded.levels, calibrated).map_err(|error| error.to_string())
+    }
+
     /// alpha, beta and m of this document: what it gives, else what was calibrated last.
     pub fn rig(&self, document: &Document) -> Rig {
         let set = &document.set;
@@ -80,7 +97,7 @@ impl Results {
             alpha: set.lights.iter().map(|light| alpha(&light.name)).collect(),
             beta: beta.or_else(measured).or_else(|| alone.clone()),
             bounces: set.bounces(),
-            sigma: self.load.last.as_ref().map(|loaded| loaded.typical_sigma.clone()).unwrap_or_default(),
+            sigma: self.load.last.as_ref().map(|loaded| loaded.levels.sigma.clone()).unwrap_or_default(),
         }
     }
 }

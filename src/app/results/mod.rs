@@ -10,15 +10,12 @@ mod stage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{Calibrated, ObjectLevels, Separated, Solved, Surfaced, judge};
+use firstbounce_capture::pipeline::{Calibrated, Separated, Solved, Surfaced};
 use firstbounce_core::Mesh;
 use firstbounce_core::shape::Shape;
-use firstbounce_core::trust::TrustOptions;
 
 use super::document::Document;
 use super::jobs::{Jobs, Task};
-use super::log::Level;
 
 pub use live::Rig;
 pub use pictures::{MarksName, Pictures, PlaneName, ShotName, Stored, When};
@@ -181,7 +178,7 @@ impl Results {
     }
 
     /// Takes what is finished and starts what is stale. Once a frame; `log` is told of every stage that ended.
-    pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(Level, String)) -> Next {
+    pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(String)) -> Next {
         self.take_finished(log);
         let keys = Keys::of(document, self);
         if let Some(running) = &mut self.running {
@@ -287,7 +284,7 @@ impl Results {
         })
     }
 
-    fn take_finished(&mut self, log: &mut dyn FnMut(Level, String)) {
+    fn take_finished(&mut self, log: &mut dyn FnMut(String)) {
         let Some(running) = &self.running else { return };
         let Some(outcome) = running.task.poll() else { return };
         let cancelled = running.task.job().is_cancelled();
@@ -301,9 +298,8 @@ impl Results {
             Err(line) => Outcome::lost(step, keys, line),
         };
         if let Some(line) = outcome.error() {
-            log(Level::Error, format!("{step}: {line}"));
+            log(format!("{step}: {line}"));
         }
-        outcome.warnings().iter().for_each(|warning| log(Level::Warning, warning.clone()));
         let pictures = &mut self.pictures;
         match outcome {
             Outcome::Load(key, result) => self.load.finish(key, result.map(|pair| pictures.take_from(pair))),
@@ -342,15 +338,6 @@ impl Outcome {
             (Step::Shape, Keys { shape: Some(key), .. }) => Self::Shape(key, Err(lost)),
             (Step::Mesh, Keys { mesh: Some(key), .. }) => Self::Mesh(key, Err(lost)),
             (_, Keys { load, .. }) => Self::Load(load, Err(lost)),
-        }
-    }
-
-    /// What a person should know before trusting the result.
-    fn warnings(&self) -> &[String] {
-        match self {
-            Self::Load(_, Ok((loaded, _))) => &loaded.warnings,
-            Self::Calibrate(_, Ok(calibration)) => &calibration.calibrated.warnings,
-            _ => &[],
         }
     }
 
@@ -396,19 +383,13 @@ impl Results {
 
 impl Finished {
     /// As the pipeline's writer takes them. Copies marks, so call it in a job.
-    pub fn solved(&self, set: &CaptureSet) -> Result<Solved, String> {
-        let object = self.loaded.object.clone()?;
-        let calibrated = self.calibration.calibrated.clone();
-        let bounces = self.separated.reports.first().map_or_else(|| set.bounces(), |report| report.bounces);
-        let options = TrustOptions { bounces, ..TrustOptions::default() };
-        let trust =
-            judge(set, &ObjectLevels::of(set, &object), &calibrated, &options).map_err(|error| error.to_string())?;
+    pub fn solved(&self) -> Result<Solved, String> {
         let surfaced = |shape: &Shape, mesh: &Mesh| Surfaced { shape: shape.clone(), mesh: mesh.clone() };
         Ok(Solved {
-            object,
-            calibrated,
+            object: self.loaded.object.clone()?,
+            calibrated: self.calibration.calibrated.clone(),
             separated: Separated::clone(&self.separated),
-            trust,
+            trust: self.shapes.trust.clone(),
             direct: self.shapes.direct.clone(),
             after: Ok(surfaced(&self.shapes.after, &self.meshes.after)),
             before: Some(surfaced(&self.shapes.before, &self.meshes.before)),

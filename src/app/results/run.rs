@@ -2,13 +2,13 @@
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
-    Calibrated, Direct, ObjectPhotos, PipelineError, Preference, Separated, calibrate, camera_of, load_object,
-    load_subject, quiet_lights, raw_lights, recover, separate_lights, triangulate,
+    Calibrated, Direct, ObjectLevels, ObjectPhotos, PipelineError, Preference, Separated, calibrate, camera_of, judge,
+    load_object, load_subject, quiet_lights, raw_lights, recover, separate_lights, triangulate,
 };
 use firstbounce_capture::set::{Colour, Light, Shot, Subject};
 use firstbounce_core::mesh::MeshOptions;
-use firstbounce_core::separate::LightPhotos;
 use firstbounce_core::shape::Shape;
+use firstbounce_core::trust::{Trust, TrustOptions};
 use firstbounce_core::{AngularError, Photo, Watch};
 
 use super::pictures::{ShotName, range_of};
@@ -23,8 +23,8 @@ pub struct Loaded {
     pub shots: Vec<LoadedShot>,
     /// The object's photos, noise and mask together, or why they do not fit together.
     pub object: Result<ObjectPhotos, String>,
-    /// By light, then colour: the noise that weights the separation; empty where there is no object.
-    pub typical_sigma: Vec<Vec<f64>>,
+    /// The object's mean light and its noise; empty where there is no object.
+    pub levels: ObjectLevels,
     /// What a person should know of the files.
     pub warnings: Vec<String>,
 }
@@ -52,6 +52,8 @@ impl Loaded {
 pub struct Shapes {
     /// By light: bounce 1 with less noise.
     pub direct: Vec<Direct>,
+    /// How far that can be trusted.
+    pub trust: Trust,
     /// From bounce 1.
     pub after: Shape,
     /// From the photos as they are.
@@ -84,8 +86,8 @@ pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
     }
     warnings.sort();
     warnings.dedup();
-    let typical_sigma = object.as_ref().map(typical_sigma).unwrap_or_default();
-    Ok(Loaded { shots, object, typical_sigma, warnings })
+    let levels = object.as_ref().map(|object| ObjectLevels::of(set, object)).unwrap_or_default();
+    Ok(Loaded { shots, object, levels, warnings })
 }
 
 fn object_photo(set: &CaptureSet, object: &ObjectPhotos, shot: &Shot) -> Option<Photo> {
@@ -114,15 +116,6 @@ fn load_shot(set: &CaptureSet, shot: &Shot, job: &Job) -> Result<(Photo, Vec<Str
     let photos = load_subject(&alone, Subject::MirrorSphere, job).map_err(line)?;
     let photo = photos.all().next().cloned().ok_or("this shot has no file")?;
     Ok((photo, photos.warnings))
-}
-
-fn typical_sigma(object: &ObjectPhotos) -> Vec<Vec<f64>> {
-    let of_light = |(photos, noise): (&Vec<Photo>, &Vec<_>)| {
-        let photos: Vec<_> = photos.iter().collect();
-        let ones = vec![1.0; photos.len()];
-        LightPhotos { photos: &photos, noise, alpha: &ones, beta: &ones, mask: &object.mask }.typical_sigma()
-    };
-    object.photos.iter().zip(&object.noise).map(of_light).collect()
 }
 
 pub fn measure(set: &CaptureSet, job: &Job) -> Result<Calibration, String> {
@@ -163,6 +156,9 @@ pub fn shape(
     let (set, calibrated) = (&document.set, &calibration.calibrated);
     let options = document.settings.shape.options();
     let direct = quiet_lights(set, object, calibrated, separated, &options.indirect, job).map_err(line)?;
+    let bounces = separated.reports.first().map_or(1, |report| report.bounces);
+    let trust_options = TrustOptions { bounces, indirect: options.indirect, ..TrustOptions::default() };
+    let trust = judge(set, &loaded.levels, calibrated, &trust_options).map_err(line)?;
     let raw = raw_lights(object, job).map_err(line)?;
     let camera = camera_of(set, object.mask.size());
 
@@ -180,7 +176,7 @@ pub fn shape(
     let after = surface(&direct)?;
     let before = surface(&raw)?;
     let turned = before.normals.map.angular_error(&after.normals.map, &after.normals.solved());
-    Ok(Shapes { direct, after, before, turned })
+    Ok(Shapes { direct, trust, after, before, turned })
 }
 
 fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {

@@ -15,6 +15,7 @@ use egui_tiles::{LinearDir, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
 pub use look::Look;
+pub use picker::{entries, ui as picker};
 pub use picture::{Picture, layer, picture};
 pub use shown::Shown;
 pub use tiles::ui;

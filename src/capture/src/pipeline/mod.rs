@@ -24,5 +24,5 @@ pub use solve::{
     separate_lights, solve, triangulate,
 };
 pub use survey::{Exposed, region_of, survey, thumbnail};
-pub use trust::{ObjectLevels, judge};
+pub use trust::{ObjectLevels, judge, rig_of};
 pub use watch::{PipelineWatch, Stage, Unattended};

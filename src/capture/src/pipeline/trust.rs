@@ -4,10 +4,13 @@ use firstbounce_core::interval::Estimate;
 use firstbounce_core::normals::Lamp;
 use firstbounce_core::separate::typical_light;
 use firstbounce_core::trust::{self, LightLevels, Rig, Trust, TrustOptions};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use super::{Calibrated, Known, ObjectPhotos, PipelineError};
 use crate::set::{CaptureSet, Light, Subject};
+
+/// Enough pixels for a mean.
+const SAMPLED_PIXELS: usize = 50_000;
 
 /// What a verdict needs of the object's photos: a few numbers, so that it follows every change of alpha, beta and the
 /// order m without another look at them.
@@ -17,6 +20,8 @@ pub struct ObjectLevels {
     pub mean: Vec<Vec<f64>>,
     /// By light, then colour: noise of a pixel at that light.
     pub sigma: Vec<Vec<f64>>,
+    /// Mean over the object of the product of every two photos, light by light and in each colour by colour.
+    pub products: DMatrix<f64>,
     /// Frames averaged in each photo; the fewest where photos differ.
     pub frames: usize,
 }
@@ -30,25 +35,45 @@ impl ObjectLevels {
         let sigma = noise.map(|(row, noise)| row.iter().zip(noise).map(|(light, noise)| noise.sigma(*light)).collect());
         let sigma = sigma.collect();
         let frames = set.shots_of(Subject::Object).map(|shot| shot.files.len()).min().unwrap_or(1);
-        Self { mean, sigma, frames }
+        Self { mean, sigma, products: products_of(object), frames }
     }
 }
 
-/// Judges the separation of `options.bounces` bounces. A value that the set's file gives goes before a measured one, as
-/// when the set is calibrated: a typed beta counts at once.
+/// From a sparse sample of the pixels that are good in every photo.
+fn products_of(object: &ObjectPhotos) -> DMatrix<f64> {
+    let photos: Vec<_> = object.photos.iter().flatten().collect();
+    let pixels = object.mask.data().len();
+    let good = |pixel: &usize| object.mask.data()[*pixel] && photos.iter().all(|photo| photo.marks[*pixel] == 0);
+    let mut products = DMatrix::zeros(photos.len(), photos.len());
+    let mut count = 0.0;
+    for pixel in (0..pixels).step_by((pixels / SAMPLED_PIXELS).max(1)).filter(good) {
+        let light =
+            DVector::from_iterator(photos.len(), photos.iter().map(|photo| f64::from(photo.linear.data()[pixel])));
+        products.ger(1.0, &light, &light, 1.0);
+        count += 1.0;
+    }
+    products / f64::max(count, 1.0)
+}
+
+/// Judges the separation of `options.bounces` bounces.
 pub fn judge(
     set: &CaptureSet,
     levels: &ObjectLevels,
     calibrated: &Calibrated,
     options: &TrustOptions,
 ) -> Result<Trust, PipelineError> {
+    Ok(trust::judge(&rig_of(set, levels, calibrated)?, options)?)
+}
+
+/// Everything that a verdict depends on but the order m. A value that the set's file gives goes before a measured one, as
+/// when the set is calibrated: a typed beta counts at once.
+pub fn rig_of(set: &CaptureSet, levels: &ObjectLevels, calibrated: &Calibrated) -> Result<Rig, PipelineError> {
     let measured = || calibrated.beta.as_deref().map(estimates);
     let typed = set.calibration.beta.as_deref().filter(|beta| beta.len() == set.colours.len());
     let beta = typed.map(exact).or_else(measured).ok_or(PipelineError::NoBeta)?;
     let light = |(l, light): (usize, &Light)| light_levels(set, levels, calibrated, l, light);
     let lights = set.lights.iter().enumerate().map(light).collect::<Result<Vec<_>, _>>()?;
-    let rig = Rig { beta, lights, frames: levels.frames };
-    Ok(trust::judge(&rig, options)?)
+    Ok(Rig { beta, lights, products: levels.products.clone(), frames: levels.frames })
 }
 
 fn light_levels(

@@ -1,5 +1,7 @@
 //! What would be better: another order, other colours, more frames.
 
+use nalgebra::DMatrix;
+
 use super::reason::rounded;
 use super::{ColourPair, LightLevels, Names, Reason, Rig, Trust, TrustOptions, assess, pairs, values};
 use crate::interval::Estimate;
@@ -193,6 +195,9 @@ fn another_colour(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Ad
 impl Rig {
     fn without_colour(&self, colour: usize) -> Self {
         let mut rig = self.clone();
+        let colours = rig.beta.len();
+        let kept: Vec<_> = (0..rig.products.nrows()).filter(|photo| photo % colours != colour).collect();
+        rig.products = rig.products.select_rows(&kept).select_columns(&kept);
         rig.beta.remove(colour);
         for LightLevels { alpha, mean, sigma, .. } in &mut rig.lights {
             alpha.remove(colour);
@@ -206,11 +211,26 @@ impl Rig {
     fn with_colour(&self, ratio: f64, trust: &Trust) -> Option<Self> {
         let mut rig = self.clone();
         rig.beta.push(Estimate::exact(ratio));
+        let mut factors = Vec::with_capacity(rig.lights.len());
         for (l, light) in rig.lights.iter_mut().enumerate() {
             let share = trust.lights.get(l)?.return_share?;
+            let factor = ratio * (1.0 - share) / (1.0 - ratio * share);
+            factors.push(factor);
             light.alpha.push(Estimate::exact(1.0));
-            light.mean.push(light.mean[0] * ratio * (1.0 - share) / (1.0 - ratio * share));
+            light.mean.push(light.mean[0] * factor);
             light.sigma.push(light.sigma[0]);
+        }
+        // Pixel by pixel its photo is taken to be as the reference colour's.
+        let (colours, more) = (self.beta.len(), rig.beta.len());
+        if self.products.nrows() == colours * factors.len() {
+            let from = |photo: usize| match (photo / more, photo % more) {
+                (light, colour) if colour < colours => (light * colours + colour, 1.0),
+                (light, _) => (light * colours, factors[light]),
+            };
+            rig.products = DMatrix::from_fn(more * factors.len(), more * factors.len(), |a, b| {
+                let ((a, by), (b, and)) = (from(a), from(b));
+                by * and * self.products[(a, b)]
+            });
         }
         Some(rig)
     }

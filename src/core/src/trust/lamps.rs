@@ -1,6 +1,6 @@
 //! From errors of direct light to degrees of normal, through the matrix of the lamps.
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::{LightTrust, NormalTrust, Rig, TrustOptions, calibration, values};
 use crate::indirect::quiet_noise;
@@ -9,17 +9,17 @@ use crate::separate::BounceSystem;
 /// Lamps whose directions span less than this (smallest over largest singular value) lie in a plane.
 const LEAST_SPREAD: f64 = 0.01;
 
-/// The lamps, seen from a pixel that has the object's mean direct light.
+/// The lamps, and the facets they light.
 pub(super) struct Lamps {
     /// For each light, the change of albedo times normal per unit of its direct light.
     effects: Vec<Vector3<f64>>,
-    normal: Vector3<f64>,
-    albedo: f64,
+    /// Mean of the outer product of albedo times normal with itself.
+    facets: Matrix3<f64>,
 }
 
 impl Lamps {
     /// `None` for fewer than three lights of known direction, or lights in a plane.
-    pub fn of(rig: &Rig, lights: &[LightTrust]) -> Option<Self> {
+    pub fn of(rig: &Rig, lights: &[LightTrust], systems: &[BounceSystem]) -> Option<Self> {
         let toward: Vec<_> = rig.lights.iter().map(|light| light.toward).collect::<Option<_>>()?;
         if toward.len() < 3 {
             return None;
@@ -32,9 +32,10 @@ impl Lamps {
         let inverse = matrix.pseudo_inverse(0.0).ok()?;
         let effects: Vec<_> =
             inverse.column_iter().map(|column| Vector3::new(column[0], column[1], column[2])).collect();
-        let scaled: Vector3<f64> = effects.iter().zip(lights).map(|(effect, light)| effect * light.bounces[0]).sum();
-        let albedo = scaled.norm();
-        (albedo > 0.0).then(|| Self { effects, normal: scaled / albedo, albedo })
+        let products = direct_products(rig, lights, systems);
+        let facets = &inverse * products * inverse.transpose();
+        let facets = facets.fixed_view::<3, 3>(0, 0).into_owned();
+        (facets.trace() > 0.0).then_some(Self { effects, facets })
     }
 
     /// Root mean square angles by each kind of error.
@@ -73,12 +74,27 @@ impl Lamps {
         alone + together.into_iter().map(|change| self.turn_squared(change)).sum::<f64>()
     }
 
-    /// A change along the normal changes the albedo only; the rest turns the normal.
+    /// A change along the normal changes the albedo only; the rest turns the normal. Mean over the facets, times the mean
+    /// square of their albedo.
     fn turn_squared(&self, change: Vector3<f64>) -> f64 {
-        change.norm_squared() - change.dot(&self.normal).powi(2)
+        change.norm_squared() - change.dot(&(self.facets * change)) / self.facets.trace()
     }
 
     fn degrees(&self, turn_squared: f64) -> f64 {
-        (turn_squared.max(0.0).sqrt() / self.albedo).to_degrees()
+        (turn_squared.max(0.0) / self.facets.trace()).sqrt().to_degrees()
     }
+}
+
+/// Mean over the pixels of the product of every two lights' bounce 1, without what noise adds to the squares.
+fn direct_products(rig: &Rig, lights: &[LightTrust], systems: &[BounceSystem]) -> DMatrix<f64> {
+    let colours = rig.beta.len();
+    if rig.products.nrows() != colours * lights.len() {
+        return DMatrix::from_fn(lights.len(), lights.len(), |a, b| lights[a].bounces[0] * lights[b].bounces[0]);
+    }
+    DMatrix::from_fn(lights.len(), lights.len(), |a, b| {
+        let block = rig.products.view((a * colours, b * colours), (colours, colours));
+        let (first, second) = (systems[a].operator.row(0), systems[b].operator.row(0));
+        let noise = if a == b { systems[a].noise(&rig.lights[a].sigma)[0].powi(2) } else { 0.0 };
+        (first * block * second.transpose())[(0, 0)] - noise
+    })
 }

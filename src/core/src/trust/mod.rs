@@ -12,7 +12,7 @@ mod pair;
 mod reason;
 mod tail;
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 pub use advice::Advice;
 pub use options::{TrustOptions, TwoLimits};
@@ -67,6 +67,9 @@ pub struct Rig {
     pub beta: Vec<Estimate>,
     /// By light.
     pub lights: Vec<LightLevels>,
+    /// Mean over the object's pixels of the product of every two photos, light by light and in each colour by colour:
+    /// how bright single pixels are, whatever their normals. Of another size: all pixels count as alike.
+    pub products: DMatrix<f64>,
     /// Frames averaged in each photo.
     pub frames: usize,
 }
@@ -92,7 +95,7 @@ pub struct LightTrust {
     pub return_share: Option<f64>,
 }
 
-/// What the errors do to normals: root mean square angles at a pixel that has the object's mean light.
+/// What the errors do to normals: root mean square angles over the object's pixels, with the noise of its mean light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalTrust {
     /// By noise, bounce 1 as it is separated.
@@ -169,7 +172,7 @@ fn assess(rig: &Rig, options: &TrustOptions) -> Result<Trust, SeparateError> {
             Err(error) => return Err(error),
         }
     }
-    let normal = Lamps::of(rig, &lights).map(|lamps| lamps.normal_trust(rig, &lights, &systems, options));
+    let normal = Lamps::of(rig, &lights, &systems).map(|lamps| lamps.normal_trust(rig, &lights, &systems, options));
     let reasons = reason::reasons(rig, &lights, normal.as_ref(), options);
     let level = reasons.first().map_or(Level::Fine, |(level, _)| *level);
     Ok(Trust { bounces: options.bounces, level, reasons, advice: Vec::new(), lights, normal })

@@ -189,12 +189,30 @@ pub(super) fn rounded(value: f64) -> String {
 }
 
 impl TwoLimits {
+    /// A reason with its level, and how many times the limit of care its value is.
+    fn judged(self, value: f64, reason: Reason) -> Found {
+        Found { level: self.level(value), excess: value / self.care, reason }
+    }
+
     fn level(self, value: f64) -> Level {
         match value {
             value if value.is_nan() || value > self.distrust => Level::DoNotTrust,
             value if value > self.care => Level::TakeCare,
             _ => Level::Fine,
         }
+    }
+}
+
+/// A reason before it is sorted.
+struct Found {
+    level: Level,
+    excess: f64,
+    reason: Reason,
+}
+
+impl Found {
+    fn hopeless(reason: Reason) -> Self {
+        Self { level: Level::DoNotTrust, excess: f64::INFINITY, reason }
     }
 }
 
@@ -210,67 +228,62 @@ pub(super) fn reasons(
         (0..lights.len()).max_by(|a, b| value(&lights[*a]).total_cmp(&value(&lights[*b])))
     };
     if let Some(light) = lights.iter().position(|light| light.bounces[0] <= 0.0) {
-        found.push((Level::DoNotTrust, Reason::Negative { light }));
+        found.push(Found::hopeless(Reason::Negative { light }));
     }
     found.extend(worst(&|light| light.gain[0]).and_then(|l| gain_reason(rig, lights[l].gain[0], options)));
     if let Some(normal) = normal {
         let noise = normal.quiet_noise_deg;
-        found.push((options.normal_deg.level(noise), Reason::NormalNoise { degrees: noise }));
+        found.push(options.normal_deg.judged(noise, Reason::NormalNoise { degrees: noise }));
         let bend = normal.calibration_deg;
-        found.push((options.normal_deg.level(bend), Reason::CalibrationBend { degrees: bend }));
+        found.push(options.normal_deg.judged(bend, Reason::CalibrationBend { degrees: bend }));
     }
     if let Some(light) = worst(&|light| light.noise_percent) {
         let percent = lights[light].noise_percent;
-        found.push((options.light_percent.level(percent), Reason::LightNoise { percent, light }));
+        found.push(options.light_percent.judged(percent, Reason::LightNoise { percent, light }));
     }
     found.extend(worst(&|light| light.calibration_percent).and_then(|l| calibration_reason(rig, lights, l, options)));
     found.extend(tail_reason(lights, options));
     if rig.beta.len() == 1 {
-        found.push((Level::TakeCare, Reason::OneColour));
+        found.push(Found { level: Level::TakeCare, excess: 1.0, reason: Reason::OneColour });
     }
-    found.retain(|(level, _)| *level > Level::Fine);
-    found.sort_by_key(|(level, _)| std::cmp::Reverse(*level));
-    found
+    found.retain(|found| found.level > Level::Fine);
+    found.sort_by(|a, b| b.level.cmp(&a.level).then(b.excess.total_cmp(&a.excess)));
+    found.into_iter().map(|found| (found.level, found.reason)).collect()
 }
 
-fn gain_reason(rig: &Rig, gain: f64, options: &TrustOptions) -> Option<(Level, Reason)> {
+fn gain_reason(rig: &Rig, gain: f64, options: &TrustOptions) -> Option<Found> {
     let beta = values(&rig.beta);
     let (a, b) = closest_pair(&beta)?;
     let closest = if beta[a] < beta[b] { (b, a) } else { (a, b) };
     let reason = Reason::Gain { gain, bounces: options.bounces, closest, beta: beta[closest.1] };
-    (options.bounces > 1).then(|| (options.gain.level(gain), reason))
+    (options.bounces > 1).then(|| options.gain.judged(gain, reason))
 }
 
-fn calibration_reason(
-    rig: &Rig,
-    lights: &[LightTrust],
-    light: usize,
-    options: &TrustOptions,
-) -> Option<(Level, Reason)> {
+fn calibration_reason(rig: &Rig, lights: &[LightTrust], light: usize, options: &TrustOptions) -> Option<Found> {
     let levels = &rig.lights[light];
     let (alpha, beta) = (values(&levels.alpha), values(&rig.beta));
     let system = BounceSystem::new(&alpha, &beta, &levels.sigma, options.bounces).ok()?;
     let most = sources(rig, levels, &system, &lights[light].bounces).max_by(|a, b| a.sd(0).total_cmp(&b.sd(0)))?;
     let percent = lights[light].calibration_percent;
     let reason = Reason::CalibrationError { percent, light, colour: most.colour, is_beta: most.is_beta };
-    Some((options.light_percent.level(percent), reason))
+    Some(options.light_percent.judged(percent, reason))
 }
 
 /// Either the photos fit no object, or they tell its tail.
-fn tail_reason(lights: &[LightTrust], options: &TrustOptions) -> Option<(Level, Reason)> {
+fn tail_reason(lights: &[LightTrust], options: &TrustOptions) -> Option<Found> {
     let shares =
         || lights.iter().map(|light| light.return_share).enumerate().filter_map(|(l, share)| Some((l, share?)));
     let (most_light, most) = shares().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let (least_light, least) = shares().min_by(|a, b| a.1.total_cmp(&b.1))?;
     if least < -LEAST_CONTRADICTION {
-        return Some((Level::DoNotTrust, Reason::Contradicted { light: least_light }));
+        return Some(Found::hopeless(Reason::Contradicted { light: least_light }));
     }
     if most > options.return_share.care {
         let reason = Reason::ReturnsTooMuch { share: most, light: most_light };
-        return Some((options.return_share.level(most), reason));
+        return Some(options.return_share.judged(most, reason));
     }
     let tails = lights.iter().enumerate().filter_map(|(l, light)| Some((l, light.tail_percent?)));
     let (light, percent) = tails.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     let reason = Reason::Tail { percent, bounces: options.bounces, light };
-    Some((options.light_percent.level(percent.abs()), reason))
+    Some(options.light_percent.judged(percent.abs(), reason))
 }

@@ -1,4 +1,4 @@
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -25,7 +25,7 @@ fn rig(beta: &[f64], share: f64, sigma: f64) -> Rig {
         let sigma = alpha.iter().map(|alpha| alpha * sigma).collect();
         LightLevels { alpha: exact(&alpha), mean, sigma, toward: Some(toward) }
     };
-    Rig { beta: exact(beta), lights: (0..3).map(light).collect(), frames: 1 }
+    Rig { beta: exact(beta), lights: (0..3).map(light).collect(), products: DMatrix::zeros(0, 0), frames: 1 }
 }
 
 fn of_order(bounces: usize) -> TrustOptions {

@@ -1,0 +1,74 @@
+//! What is under the cursor, in a region and along a line, in numbers.
+
+mod cursor;
+mod histogram;
+mod line;
+mod polynomial;
+mod region;
+mod tool;
+
+use eframe::egui::{CollapsingHeader, Ui};
+use firstbounce_capture::set::Subject;
+
+use super::{Over, Panel};
+use crate::app::session::Session;
+use crate::app::views::{Shown, picture};
+use crate::app::window::advice;
+
+/// The panel.
+#[derive(Default)]
+pub struct Inspector {
+    cursor: cursor::Cursor,
+    tool: tool::Tools,
+    region: region::RegionSection,
+    line: line::LineSection,
+}
+
+impl Panel for Inspector {
+    fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
+        let document = session.document();
+        self.cursor.follow(session.views.hover.as_ref());
+        section(ui, "Under the cursor", |ui| self.cursor.ui(ui, &document, session));
+        section(ui, "N(beta) of this pixel", |ui| match self.cursor.at() {
+            Some(at) => polynomial::ui(ui, at, &document, session),
+            None => advice(ui, "Point at a pixel of the object."),
+        });
+        let Some(shown) = session.views.active().map(|view| view.shown.clone()) else { return };
+        match picture(&shown, &document, &session.results) {
+            Ok(picture) => {
+                self.tool.ui(ui, shown.subject(), picture.source.size());
+                let region = self.tool.region(shown.subject());
+                section(ui, "Statistics and histogram", |ui| self.region.ui(ui, &shown, &picture, region, session));
+                let line = self.tool.line(shown.subject());
+                section(ui, "Profile along the line", |ui| self.line.ui(ui, &shown, line, &document, session));
+            }
+            Err(line) => advice(ui, &line),
+        }
+    }
+
+    fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, _: &mut Session) {
+        self.tool.overlay(ui, over);
+    }
+
+    fn wants_drag(&self, shown: &Shown, _: &Session) -> bool {
+        self.tool.wants_drag(shown.subject())
+    }
+}
+
+/// Pictures of one subject lie on each other, and share what is drawn on them.
+type OnSubject<T> = Option<(Subject, T)>;
+
+fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(title).default_open(true).show(ui, content);
+}
+
+/// A value in at most four digits.
+fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if size >= 1000.0 => format!("{value:.0}"),
+        size if size >= 10.0 => format!("{value:.2}"),
+        size if size >= 0.001 => format!("{value:.4}"),
+        _ => format!("{value:.1e}"),
+    }
+}

@@ -1,0 +1,88 @@
+//! What the verdict stands on, as numbers with units.
+
+use eframe::egui::{CollapsingHeader, Grid, RichText, Ui};
+use firstbounce_capture::CaptureSet;
+use firstbounce_core::trust::{LightTrust, Trust};
+
+pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
+    if trust.lights.is_empty() {
+        return;
+    }
+    let worst = |value: &dyn Fn(&LightTrust) -> f64| trust.worst(value).unwrap_or(f64::NAN);
+    Grid::new("expected errors").num_columns(2).striped(true).show(ui, |ui| {
+        let condition = worst(&|light| light.condition_number);
+        row(ui, "Condition number", &number(condition), "Largest over smallest singular value of the matrix of beta");
+        for k in 0..trust.bounces {
+            let gain = worst(&|light| light.gain[k]);
+            let name = format!("Gain of bounce {}", k + 1);
+            row(ui, &name, &number(gain), "Noise of this bounce for unit noise on every photo");
+        }
+        let (noise, quiet) = (worst(&|light| light.noise_percent), worst(&|light| light.quiet_noise_percent));
+        let words = format!("{} % of it, {} % quietened", number(noise), number(quiet));
+        row(
+            ui,
+            "Noise of bounce 1",
+            &words,
+            "A pixel of mean light. Quietened: the noise of indirect light averaged away",
+        );
+        let calibration = worst(&|light| light.calibration_percent);
+        row(
+            ui,
+            "Calibration error",
+            &format!("{} % of bounce 1", number(calibration)),
+            "By the intervals of alpha and beta",
+        );
+        row(ui, "Tail", &tail(trust), "Light of more than m bounces, by the mean light of the colours");
+        match &trust.normal {
+            Some(normal) => {
+                let words = format!("{:.1}\u{b0} ({:.1}\u{b0} unquietened)", normal.quiet_noise_deg, normal.noise_deg);
+                row(ui, "Normals, by noise", &words, "Root mean square angle at a pixel of mean light");
+                let words = format!("{:.1}\u{b0}", normal.calibration_deg);
+                row(ui, "Normals, by calibration", &words, "By the intervals of alpha and beta");
+            }
+            None => row(ui, "Normals", "need three directions", "Three lights of known direction, not in a plane"),
+        }
+    });
+    CollapsingHeader::new("Each light").id_salt("each light").show(ui, |ui| each_light(ui, trust, set));
+}
+
+fn tail(trust: &Trust) -> String {
+    let tails: Vec<_> = trust.lights.iter().filter_map(|light| light.tail_percent).collect();
+    let largest = tails.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    largest.map_or("unknown: one colour".into(), |tail| format!("{tail:+.1} % of bounce 1"))
+}
+
+fn each_light(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
+    Grid::new("each light").striped(true).show(ui, |ui| {
+        for heading in ["Light", "Gain", "Noise", "Calibration", "Tail", "Returned"] {
+            ui.label(RichText::new(heading).strong());
+        }
+        ui.end_row();
+        for (light, found) in set.lights.iter().zip(&trust.lights) {
+            let percent = |value: Option<f64>| value.map_or("?".into(), |value| format!("{value:.1} %"));
+            ui.label(&light.name);
+            ui.label(number(found.gain[0]));
+            ui.label(percent(Some(found.noise_percent)));
+            ui.label(percent(Some(found.calibration_percent)));
+            ui.label(percent(found.tail_percent));
+            ui.label(percent(found.return_share.map(|share| 100.0 * share)))
+                .on_hover_text("The share of its light that the object sends back to itself at each bounce");
+            ui.end_row();
+        }
+    });
+}
+
+fn row(ui: &mut Ui, name: &str, value: &str, what: &str) {
+    ui.label(name).on_hover_text(what);
+    ui.label(value).on_hover_text(what);
+    ui.end_row();
+}
+
+/// Three digits.
+fn number(value: f64) -> String {
+    match value.abs() {
+        size if size >= 99.95 => format!("{value:.0}"),
+        size if size >= 9.995 => format!("{value:.1}"),
+        _ => format!("{value:.2}"),
+    }
+}

@@ -1,0 +1,121 @@
+//! The verdict in colour, sign and words, why, and what would be better.
+
+use eframe::egui::{Color32, Frame, RichText, Stroke, Ui};
+use firstbounce_capture::CaptureSet;
+use firstbounce_core::trust::{Advice, Level, Names, Trust};
+
+use super::{choose_order, names};
+use crate::app::session::Session;
+
+pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet, session: &mut Session) {
+    let (colours, lights) = names(set);
+    let names = Names { colours: &colours, lights: &lights };
+    let colour = colour_of(ui, trust.level);
+    ui.add_space(4.0);
+    Frame::group(ui.style()).stroke(Stroke::new(2.0, colour)).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let verdict = format!("{} {}", sign(trust.level), title(trust.level));
+        ui.label(RichText::new(verdict).strong().size(17.0).color(colour));
+        if trust.reasons.is_empty() {
+            ui.label("Noise, calibration and the tail all stay small.");
+        }
+        for (level, reason) in &trust.reasons {
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                ui.label(RichText::new(sign(*level)).color(colour_of(ui, *level)));
+                ui.label(sentence(&reason.words(&names)));
+            });
+        }
+    });
+    if !trust.advice.is_empty() {
+        ui.add_space(4.0);
+        ui.label(RichText::new("Better").strong());
+        for advice in &trust.advice {
+            line(ui, advice, &names, set, session);
+        }
+    }
+    ui.add_space(4.0);
+}
+
+fn line(ui: &mut Ui, advice: &Advice, names: &Names, set: &CaptureSet, session: &mut Session) {
+    ui.horizontal_wrapped(|ui| {
+        ui.label(format!("\u{2022} {}", sentence(&advice.words(names))));
+        match advice {
+            Advice::Order { bounces, .. } => {
+                if ui.button(format!("Use m = {bounces}")).clicked() {
+                    choose_order(session, *bounces);
+                }
+            }
+            Advice::LeaveOut { colour, .. } => {
+                let name = set.colours.get(*colour).map_or("", |colour| colour.name.as_str());
+                if ui.button(format!("Leave out {name}")).clicked() {
+                    session.edit(&format!("Leave out {name}"), |document| leave_out(&mut document.set, *colour));
+                }
+            }
+            Advice::Pair { .. } | Advice::Frames { .. } | Advice::AnotherColour { .. } => {}
+        }
+    });
+}
+
+/// Takes a colour and its shots out of the set; the files stay on the disk.
+fn leave_out(set: &mut CaptureSet, colour: usize) {
+    let name = set.colours.remove(colour).name;
+    set.shots.retain(|shot| shot.colour.as_ref() != Some(&name));
+    let given = set.calibration.beta.iter_mut().chain(set.calibration.alpha.values_mut());
+    given.filter(|values| colour < values.len()).for_each(|values| {
+        values.remove(colour);
+    });
+    let colours = set.colours.len();
+    set.separation.bounces = set.separation.bounces.map(|bounces| bounces.min(colours));
+}
+
+fn title(level: Level) -> &'static str {
+    match level {
+        Level::Fine => "Fine",
+        Level::TakeCare => "Take care",
+        Level::DoNotTrust => "Do not trust",
+    }
+}
+
+fn sign(level: Level) -> &'static str {
+    match level {
+        Level::Fine => "\u{2714}",
+        Level::TakeCare => "\u{26a0}",
+        Level::DoNotTrust => "\u{2716}",
+    }
+}
+
+fn colour_of(ui: &Ui, level: Level) -> Color32 {
+    match (level, ui.visuals().dark_mode) {
+        (Level::Fine, true) => Color32::from_rgb(96, 200, 120),
+        (Level::Fine, false) => Color32::from_rgb(16, 110, 44),
+        (Level::TakeCare, true) => Color32::from_rgb(240, 180, 60),
+        (Level::TakeCare, false) => Color32::from_rgb(140, 84, 0),
+        (Level::DoNotTrust, true) => Color32::from_rgb(255, 120, 110),
+        (Level::DoNotTrust, false) => Color32::from_rgb(176, 20, 20),
+    }
+}
+
+/// With a capital letter and a full stop.
+fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    let first = letters.next().map(char::to_uppercase).into_iter().flatten();
+    first.chain(letters).chain(['.']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_colour_goes_with_its_shots_and_values() {
+        let mut set = firstbounce_capture::CaptureSet::open(std::path::Path::new("assets/demo")).unwrap();
+        set.calibration.beta = Some(vec![1.0, 0.5]);
+        set.separation.bounces = Some(2);
+        leave_out(&mut set, 1);
+        assert_eq!((set.colours.len(), set.bounces()), (1, 1));
+        assert!(set.shots.iter().all(|shot| shot.colour.as_deref() != Some("green")));
+        assert_eq!(set.calibration.beta, Some(vec![1.0]));
+        assert!(set.check().is_empty(), "{:?}", set.check());
+    }
+}
