@@ -28,6 +28,8 @@ fn candidates() -> impl Iterator<Item = String> {
             lit.push(format!("{{{first}}}{separator}{{{second}}}[{separator}{{repeat}}]"));
         }
     }
+    // Mirror balls are photographed in one colour, whose name is left out, and dark frames are only numbered.
+    lit.extend(SEPARATORS.map(|separator| format!("{{light}}[{separator}{{colour}}][{separator}{{repeat}}]")));
     lit.push("{light}".into());
     let subjects = ["", "{subject}/", "{subject}-", "{subject}_", "{subject} ", "{subject}."];
     subjects.into_iter().flat_map(move |subject| lit.clone().into_iter().map(move |lit| format!("{subject}{lit}")))

@@ -110,9 +110,18 @@ fn the_sets_of_the_format_have_the_usual_pattern() {
         .iter()
         .flat_map(|s| ["left", "top", "right"].map(|l| format!("{s}/{l}")))
         .flat_map(|stem| ["blue", "green"].map(|colour| format!("{stem}-{colour}.png")))
-        .chain(["left", "top", "right"].map(|light| format!("mirror-sphere/{light}.png")))
         .collect();
     assert_eq!(propose(&files).unwrap().to_string(), USUAL);
+
+    let mirror = ["left", "top", "right"].map(|light| format!("mirror-sphere/{light}.png"));
+    let all: Vec<String> = files.into_iter().chain(mirror).chain(["dark/1.png".into()]).collect();
+    let proposed = propose(&all).unwrap();
+    assert_eq!(proposed.to_string(), "{subject}/{light}[-{colour}][-{repeat}]");
+    let mut set = CaptureSet::default();
+    let options = GuessOptions { pattern: proposed, subject: Subject::Object, rgb: false };
+    assert!(add_files(&mut set, &all, &options).iter().all(|became| matches!(became, Became::Shots(_))));
+    assert_eq!((set.shots.len(), set.lights.len(), set.colours.len()), (22, 3, 2));
+    assert_eq!(set.check(), []);
 }
 
 const SUBJECTS: [Subject; 3] = [Subject::Object, Subject::GreySphere, Subject::MaterialSphere];

@@ -1,0 +1,210 @@
+//! The balls' circles: found by their edges, placed by a person, typed.
+
+use std::sync::Arc;
+
+use eframe::egui::{ComboBox, DragValue, RichText, Ui};
+use firstbounce_capture::set::{Circle, Sphere, SphereKind, Subject, Word};
+use firstbounce_core::ball::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
+
+use super::{ball_title, balls_of};
+use crate::app::jobs::Task;
+use crate::app::results::{Loaded, ShotName};
+use crate::app::session::Session;
+use crate::app::views::Shown;
+use crate::app::window::advice;
+
+/// A click may miss the ball by as many radii.
+const NEAR_RADII: f64 = 2.0;
+
+/// Where a ball is looked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Look {
+    /// In the whole picture.
+    Anywhere,
+    /// Near a click.
+    Near([f64; 2]),
+    /// By the edge under a rough circle.
+    Under(Circle),
+}
+
+/// Circles on their way, and how clicks are taken.
+pub struct Balls {
+    finding: Option<(Subject, SphereKind, Task<CircleReport>)>,
+    /// Which ball a click in the object's scene means.
+    pub in_scene: Option<SphereKind>,
+    /// Whether a click on a ball's picture looks for its edge.
+    pub click_finds: bool,
+}
+
+impl Default for Balls {
+    fn default() -> Self {
+        Self { finding: None, in_scene: None, click_finds: true }
+    }
+}
+
+impl Balls {
+    pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
+        self.take_found(session);
+        let document = session.document();
+        let balls = balls_of(&document.set);
+        ui.label(RichText::new("Balls").strong());
+        if balls.is_empty() {
+            advice(
+                ui,
+                "No ball is in this set: add photos of a grey ball, a ball of the object's paint and a mirror ball in \
+                 Captures, or type the values below. If the balls stand in the object's photos, choose which one below \
+                 and click it there.",
+            );
+        }
+        for (subject, kind) in balls {
+            self.ball(ui, session, subject, kind);
+        }
+        ui.checkbox(&mut self.click_finds, "A click on a ball's photo finds its edge");
+        let words = |kind: Option<SphereKind>| kind.map_or("no ball", ball_title);
+        ComboBox::from_label("A click in the object's photo means").selected_text(words(self.in_scene)).show_ui(
+            ui,
+            |ui| {
+                ui.selectable_value(&mut self.in_scene, None, "no ball");
+                for &kind in SphereKind::ALL {
+                    ui.selectable_value(&mut self.in_scene, Some(kind), ball_title(kind));
+                }
+            },
+        );
+        ui.separator();
+    }
+
+    fn ball(&mut self, ui: &mut Ui, session: &mut Session, subject: Subject, kind: SphereKind) {
+        let title = ball_title(kind);
+        let document = session.document();
+        let placed = document.set.circle(subject, kind);
+        let circle = circle_in_force(session, subject, kind);
+        ui.horizontal_wrapped(|ui| {
+            let shot = document.set.shots_of(subject).next().map(ShotName::of);
+            if ui.button(format!("Show {}", title.to_lowercase())).clicked()
+                && let Some(shot) = shot
+            {
+                session.views.show(Shown::Photo(shot));
+            }
+            ui.label(RichText::new(self.state_of(session, subject, kind)).weak());
+        });
+        let Some(old) = circle else { return };
+        let mut new = old;
+        ui.horizontal_wrapped(|ui| {
+            for (what, value) in [("x", 0), ("y", 1), ("radius", 2)] {
+                let number = match value {
+                    2 => &mut new.radius,
+                    axis => &mut new.centre[axis],
+                };
+                let name = ui.label(what);
+                let field = DragValue::new(number).speed(0.05).fixed_decimals(2).suffix(" px");
+                let field = if value == 2 { field.range(1.0..=1e5) } else { field };
+                let response = ui.add(field).labelled_by(name.id);
+                response.widget_info(|| {
+                    eframe::egui::WidgetInfo::labeled(eframe::egui::Role::SpinButton, true, format!("{title}, {what}"))
+                });
+            }
+        });
+        ui.horizontal_wrapped(|ui| {
+            if ui.button("Find").on_hover_text("Looks for the ball's edge in the whole photo").clicked() {
+                self.find(session, subject, kind, Look::Anywhere);
+            }
+            if ui.button("Snap to edge").on_hover_text("Fits the circle to the edge nearby").clicked() {
+                self.find(session, subject, kind, Look::Under(old));
+            }
+            if placed.is_some()
+                && ui.button("Forget").on_hover_text("Lets the program find the ball by itself").clicked()
+            {
+                session.edit(&format!("Forget the circle of the {}", title.to_lowercase()), |document| {
+                    document.set.spheres.retain(|sphere| (sphere.subject, sphere.kind) != (subject, kind));
+                });
+            }
+        });
+        if new != old {
+            move_ball(session, subject, kind, new);
+        }
+        ui.add_space(4.0);
+    }
+
+    fn state_of(&self, session: &Session, subject: Subject, kind: SphereKind) -> String {
+        if self.finding.as_ref().is_some_and(|(s, k, _)| (*s, *k) == (subject, kind)) {
+            return "looking for its edge ...".into();
+        }
+        if session.document().set.circle(subject, kind).is_some() {
+            return "placed".into();
+        }
+        let found = found_circle(session, subject, kind).and_then(|(_, report)| report);
+        match found {
+            Some(report) => format!("found by its edge, to {:.2} px", report.sd_px),
+            None => "not found yet: click on it in its photo".into(),
+        }
+    }
+
+    /// Starts to look for a ball, on a worker.
+    pub fn find(&mut self, session: &mut Session, subject: Subject, kind: SphereKind, look: Look) {
+        let Some(loaded) = session.results.loaded() else {
+            session.warn("The photos are still being read: try again in a moment");
+            return;
+        };
+        let name = format!("Find {}", ball_title(kind).to_lowercase());
+        let task = session.jobs.start(name, move |_| find(&loaded, subject, look).map_err(|error| error.to_string()));
+        self.finding = Some((subject, kind, task));
+    }
+
+    pub fn take_found(&mut self, session: &mut Session) {
+        let Some((subject, kind, task)) = &self.finding else { return };
+        let (subject, kind) = (*subject, *kind);
+        let Some(outcome) = task.poll() else { return };
+        self.finding = None;
+        let title = ball_title(kind);
+        match outcome {
+            Ok(report) => {
+                let (x, y) = report.circle.centre_px;
+                let circle = Circle { centre: [x, y], radius: report.circle.radius_px };
+                move_ball(session, subject, kind, circle);
+                session.done(format!(
+                    "{title}: centre {x:.1}, {y:.1}, radius {:.1} px, by its edge to {:.2} px",
+                    circle.radius, report.sd_px
+                ));
+            }
+            Err(line) => session.error(format!("{title}: {line}")),
+        }
+    }
+}
+
+fn find(loaded: &Arc<Loaded>, subject: Subject, look: Look) -> Result<CircleReport, BallError> {
+    let shots = loaded.shots.iter().filter(|shot| shot.name.subject == subject);
+    let planes: Vec<_> = shots.filter_map(|shot| shot.photo.as_ref().ok()).map(|photo| &photo.linear).collect();
+    let options = CircleOptions::default();
+    match look {
+        Look::Anywhere => find_circle(&planes, None, &options),
+        Look::Under(Circle { centre: [x, y], radius }) => {
+            refine_circle(&planes, &ball::Circle { centre_px: (x, y), radius_px: radius }, &options)
+        }
+        // A click beside the ball means the ball all the same, if it is the only one near.
+        Look::Near([x, y]) => find_circle(&planes, Some((x, y)), &options).or_else(|missed| {
+            let anywhere = find_circle(&planes, None, &options).map_err(|_| missed.clone())?;
+            if anywhere.circle.radii_from_centre(x, y) < NEAR_RADII { Ok(anywhere) } else { Err(missed) }
+        }),
+    }
+}
+
+/// Puts a ball's circle where a person wants it.
+pub fn move_ball(session: &mut Session, subject: Subject, kind: SphereKind, circle: Circle) {
+    let name = format!("Place {}", ball_title(kind).to_lowercase());
+    session.edit(&name, |document| document.set.put_sphere(Sphere { subject, kind, circle }));
+}
+
+/// The circle of a ball: the one that was placed, else the one that was found.
+pub fn circle_in_force(session: &Session, subject: Subject, kind: SphereKind) -> Option<Circle> {
+    let placed = session.document().set.circle(subject, kind);
+    placed.or_else(|| found_circle(session, subject, kind).map(|(circle, _)| circle))
+}
+
+fn found_circle(session: &Session, subject: Subject, kind: SphereKind) -> Option<(Circle, Option<CircleReport>)> {
+    let results = [session.results.measured(), session.results.calibration()];
+    results.into_iter().flatten().find_map(|calibration| {
+        let mut circles = calibration.calibrated.circles.iter();
+        let ball = circles.find(|ball| (ball.sphere.subject, ball.sphere.kind) == (subject, kind))?;
+        Some((ball.sphere.circle, ball.found.clone()))
+    })
+}

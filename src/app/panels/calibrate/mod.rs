@@ -1,0 +1,143 @@
+//! Lamps and paint: where the balls are, what they say of alpha, beta, direction and intensity, and how far to trust it.
+
+mod balls;
+mod dome;
+mod highlights;
+mod histogram;
+mod over;
+mod pixels;
+mod rig;
+mod values;
+
+use std::sync::Arc;
+
+use eframe::egui::{RichText, Ui};
+use firstbounce_capture::pipeline::Calibrated;
+use firstbounce_capture::set::{CaptureSet, SphereKind, Subject, Word};
+
+use super::{Over, Panel};
+use crate::app::document::Document;
+use crate::app::results::{Calibration, StageState, Step};
+use crate::app::session::Session;
+use crate::app::window::advice;
+
+/// The panel.
+#[derive(Default)]
+pub struct Calibrate {
+    balls: balls::Balls,
+    pixels: pixels::PixelTints,
+    highlights: highlights::Deleted,
+    histogram: histogram::Histogram,
+    rig: rig::OtherRig,
+    in_force: Option<InForce>,
+}
+
+/// The values in force, kept until the document or the calibration changes.
+struct InForce {
+    document: Arc<Document>,
+    calibration: Option<Arc<Calibration>>,
+    values: Arc<Calibrated>,
+}
+
+impl Panel for Calibrate {
+    fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
+        let document = session.document();
+        let set = &document.set;
+        if set.lights.is_empty() {
+            advice(ui, "There is no light yet: add photos in Captures first.");
+            return;
+        }
+        status(ui, session);
+        self.balls.ui(ui, session);
+        self.pixels.legend(ui);
+        let measured = session.results.measured().filter(|measured| counts_by(measured, set));
+        if let Some(measured) = &measured {
+            self.highlights.ui(ui, session, &measured.calibrated);
+        }
+        let in_force = self.in_force(session);
+        values::ui(ui, session, &in_force, measured.as_deref().map(|measured| &measured.calibrated));
+        ui.collapsing("Lights on a dome", |ui| dome::ui(ui, set, &in_force));
+        if let Some(measured) = &measured {
+            ui.collapsing("Ratios on the balls", |ui| self.histogram.ui(ui, set, &measured.calibrated));
+        }
+        ui.collapsing("Use the rig of another set", |ui| self.rig.ui(ui, session));
+    }
+
+    fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {
+        over::ui(self, ui, over, session);
+    }
+}
+
+impl Calibrate {
+    /// What the file gives, else what was calibrated last: a typed value counts in the frame in which it is typed.
+    fn in_force(&mut self, session: &Session) -> Arc<Calibrated> {
+        let (document, calibration) = (session.document(), session.results.calibration());
+        let same = |kept: &&InForce| {
+            Arc::ptr_eq(&kept.document, &document)
+                && kept.calibration.as_ref().map(Arc::as_ptr) == calibration.as_ref().map(Arc::as_ptr)
+        };
+        if let Some(kept) = self.in_force.as_ref().filter(same) {
+            return kept.values.clone();
+        }
+        let fitting = calibration.as_ref().filter(|calibration| counts_by(calibration, &document.set));
+        let last = fitting.map(|calibration| calibration.calibrated.clone()).unwrap_or_default();
+        let values = Arc::new(last.with_given(&document.set));
+        self.in_force = Some(InForce { document, calibration, values: values.clone() });
+        values
+    }
+}
+
+/// Whether a calibration is of the lights and colours that the set has now.
+fn counts_by(calibration: &Calibration, set: &CaptureSet) -> bool {
+    let lights = set.lights.iter().map(|light| &light.name);
+    let colours = set.colours.iter().map(|colour| &colour.name);
+    calibration.lights.iter().eq(lights) && calibration.colours.iter().eq(colours)
+}
+
+/// What keeps the balls from being measured.
+fn status(ui: &mut Ui, session: &Session) {
+    let document = session.document();
+    for step in [Step::Measure, Step::Calibrate] {
+        match session.results.state(step, &document) {
+            StageState::Failed { line } => {
+                ui.label(RichText::new(line).color(ui.visuals().error_fg_color));
+                return;
+            }
+            StageState::Blocked { line } => {
+                ui.label(RichText::new(line).color(ui.visuals().warn_fg_color));
+                return;
+            }
+            StageState::Running { .. } => {
+                ui.label(RichText::new("Measuring the balls ...").weak());
+                return;
+            }
+            StageState::Stale | StageState::Ready => {}
+        }
+    }
+}
+
+/// "Grey ball"
+fn ball_title(kind: SphereKind) -> &'static str {
+    match kind {
+        SphereKind::Grey => "Grey ball",
+        SphereKind::Material => "Ball of the paint",
+        SphereKind::Mirror => "Mirror ball",
+    }
+}
+
+/// The shots that a ball of this kind fills by itself.
+fn own_subject(kind: SphereKind) -> Subject {
+    Subject::ALL.iter().copied().find(|subject| subject.sphere_kind() == Some(kind)).unwrap_or(Subject::Object)
+}
+
+/// Where each ball of the set is seen: in shots of its own, or in the object's scene.
+fn balls_of(set: &CaptureSet) -> Vec<(Subject, SphereKind)> {
+    SphereKind::ALL
+        .iter()
+        .filter_map(|&kind| {
+            let own = own_subject(kind);
+            let alone = set.shots_of(own).next().is_some().then_some((own, kind));
+            alone.or_else(|| set.circle(Subject::Object, kind).map(|_| (Subject::Object, kind)))
+        })
+        .collect()
+}

@@ -1,0 +1,97 @@
+//! The camera: how its files store light, and the question that 8-bit files raise.
+
+use eframe::egui::{ComboBox, DragValue, RichText, Ui};
+use firstbounce_capture::set::{Camera, Encoding, Projection};
+
+use crate::app::session::Session;
+
+/// What a person answered in this session.
+#[derive(Default)]
+pub struct CameraPart {
+    /// Who said "linear" is not asked again.
+    answered: bool,
+}
+
+impl CameraPart {
+    pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
+        self.question(ui, session);
+        let old = session.document().set.camera.clone();
+        let mut new = old.clone();
+        ui.collapsing("Camera", |ui| camera(ui, &mut new));
+        if new != old {
+            session.edit("Change camera", |document| document.set.camera = new);
+        }
+    }
+
+    /// 8-bit files are nearly always sRGB, and taken for linear they bend every number.
+    fn question(&mut self, ui: &mut Ui, session: &mut Session) {
+        let document = session.document();
+        let warnings = session.results.loaded().map(|loaded| loaded.warnings.clone()).unwrap_or_default();
+        for warning in &warnings {
+            ui.label(RichText::new(warning).small().color(ui.visuals().warn_fg_color));
+        }
+        let coarse =
+            warnings.iter().any(|warning| warning.contains("8 bits a pixel") || warning.contains("always sRGB"));
+        if !coarse || self.answered || document.set.camera.encoding != Encoding::Linear {
+            return;
+        }
+        ui.group(|ui| {
+            ui.label(
+                "Some photos have 8 bits a pixel. Cameras and picture programs store such files with the sRGB curve, \
+                 unless somebody took care that they do not. Which is it?",
+            );
+            ui.horizontal_wrapped(|ui| {
+                if ui.button("They are sRGB").clicked() {
+                    session.edit("Files are sRGB", |document| document.set.camera.encoding = Encoding::Srgb);
+                    self.answered = true;
+                }
+                if ui.button("They are linear").clicked() {
+                    self.answered = true;
+                }
+            });
+        });
+    }
+}
+
+fn camera(ui: &mut Ui, camera: &mut Camera) {
+    let words = |encoding: &Encoding| match encoding {
+        Encoding::Linear => "linear",
+        Encoding::Srgb => "sRGB",
+        Encoding::Gamma(_) => "gamma",
+    };
+    ComboBox::from_label("Encoding of the files").selected_text(words(&camera.encoding)).show_ui(ui, |ui| {
+        for choice in [Encoding::Linear, Encoding::Srgb, Encoding::Gamma(2.2)] {
+            ui.selectable_value(&mut camera.encoding, choice, words(&choice));
+        }
+    });
+    if let Encoding::Gamma(gamma) = &mut camera.encoding {
+        let label = ui.label("Gamma");
+        ui.add(DragValue::new(gamma).speed(0.01).range(0.1..=10.0)).labelled_by(label.id);
+    }
+    let label = ui.label("Black level, stored value");
+    ui.add(DragValue::new(&mut camera.black_level).speed(1.0)).labelled_by(label.id);
+    optional(
+        ui,
+        "White level, stored value",
+        "White level is the file type's maximum",
+        &mut camera.white_level,
+        65535.0,
+    );
+    if let Projection::Orthographic { mm_per_pixel } = &mut camera.projection {
+        optional(ui, "Millimetres per pixel", "Scale unknown: the shape is in pixels", mm_per_pixel, 0.1);
+    } else {
+        ui.label("Perspective camera: its numbers stand in capture.toml.");
+    }
+}
+
+/// A number that may be absent.
+fn optional(ui: &mut Ui, label: &str, absent: &str, value: &mut Option<f64>, first: f64) {
+    let mut none = value.is_none();
+    if ui.checkbox(&mut none, absent).changed() {
+        *value = (!none).then_some(first);
+    }
+    if let Some(number) = value {
+        let name = ui.label(label);
+        ui.add(DragValue::new(number).speed(0.001 * first).range(1e-6..=f64::INFINITY)).labelled_by(name.id);
+    }
+}

@@ -1,0 +1,112 @@
+//! Which photo is which: subject, light and colour of every file, how well each is exposed, and the object's mask.
+
+mod camera;
+mod incoming;
+mod mask;
+mod names;
+mod shot;
+mod table;
+
+use std::path::PathBuf;
+
+use eframe::egui::{RichText, Ui};
+use firstbounce_capture::image_file::pictures_in;
+use firstbounce_capture::set::Location;
+
+use super::{Over, Panel};
+use crate::app::dialogs::Choose;
+use crate::app::path_field::PathField;
+use crate::app::results::{ShotName, StageState, Step};
+use crate::app::session::Session;
+use crate::app::views::Shown;
+use crate::app::window::advice;
+
+/// The panel.
+#[derive(Default)]
+pub struct Captures {
+    add: PathField,
+    incoming: Option<incoming::Incoming>,
+    table: table::Table,
+    camera: camera::CameraPart,
+    mask: mask::MaskPart,
+    selected: Option<ShotName>,
+}
+
+impl Panel for Captures {
+    fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
+        problems(ui, session);
+        self.add_files(ui, session);
+        let document = session.document();
+        if document.set.shots.is_empty() {
+            advice(
+                ui,
+                "This set has no photos yet. Drop files or a folder on the window, or name them above: photos of the \
+                 object under every lamp in every colour, and the same of a grey ball and a ball of the object's paint, \
+                 and one of a mirror ball under every lamp.",
+            );
+            return;
+        }
+        self.table.ui(ui, session, &mut self.selected);
+        if let Some(name) = self.selected.clone() {
+            shot::ui(ui, session, &name, &mut self.selected);
+        }
+        ui.separator();
+        self.camera.ui(ui, session);
+        ui.separator();
+        names::ui(ui, session);
+        ui.separator();
+        self.mask.ui(ui, session);
+    }
+
+    fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {
+        self.mask.overlay(ui, over, session);
+    }
+
+    fn wants_drag(&self, shown: &Shown, _: &Session) -> bool {
+        self.mask.wants_drag(shown)
+    }
+}
+
+impl Captures {
+    /// Files and folders that were dropped on the window, or chosen in a dialog.
+    pub fn dropped(&mut self, paths: Vec<PathBuf>, session: &mut Session) {
+        let files = pictures_in(&paths);
+        if files.is_empty() {
+            session.warn("There is no picture in what was dropped: PNG, TIFF, EXR, JPEG, HDR and PFM files are read");
+            return;
+        }
+        match &mut self.incoming {
+            Some(incoming) => incoming.take_more(files),
+            None => self.incoming = Some(incoming::Incoming::new(files)),
+        }
+    }
+
+    fn add_files(&mut self, ui: &mut Ui, session: &mut Session) {
+        if let Some(incoming) = &mut self.incoming {
+            if incoming.ui(ui, session) {
+                self.incoming = None;
+            }
+            ui.separator();
+            return;
+        }
+        let dialogs = session.dialogs();
+        let label = "Add photos, or a folder of them (or drop them on the window)";
+        let chosen = self.add.ui(ui, label, Choose::Pictures, &dialogs, &mut session.jobs);
+        if !chosen.is_empty() {
+            self.dropped(chosen, session);
+        }
+        ui.separator();
+    }
+}
+
+/// What is wrong with the set and stands in no cell of the tables.
+fn problems(ui: &mut Ui, session: &Session) {
+    let document = session.document();
+    let in_cells = |location| matches!(location, Location::Shot(_));
+    for problem in session.problems().iter().filter(|problem| !in_cells(problem.location)) {
+        ui.label(RichText::new(problem.to_string()).color(ui.visuals().error_fg_color));
+    }
+    if let StageState::Failed { line } = session.results.state(Step::Load, &document) {
+        ui.label(RichText::new(line).color(ui.visuals().error_fg_color));
+    }
+}

@@ -1,0 +1,225 @@
+//! The light x colour tables, with a thumbnail and the exposure of every photo.
+
+use std::sync::Arc;
+
+use eframe::egui::{
+    Button, Color32, ColorImage, Grid, Image, ImageSource, RichText, Role, TextureHandle, TextureOptions, Ui,
+    WidgetInfo, load::SizedTexture, vec2,
+};
+use firstbounce_capture::pipeline::{Exposed, region_of, thumbnail};
+use firstbounce_capture::set::{CaptureSet, Encoding, Shot, ShotCell, ShotTable, Sphere, Subject};
+
+use crate::app::jobs::{Job, Task};
+use crate::app::results::{Loaded, ShotName};
+use crate::app::session::Session;
+use crate::app::views::Shown;
+
+const THUMBNAIL_PX: usize = 96;
+const THUMBNAIL_POINTS: f32 = 64.0;
+/// Shares above which a cell says that a photo is badly exposed.
+const TOO_MUCH_CLIPPED: f64 = 0.02;
+const TOO_MUCH_DARK: f64 = 0.5;
+
+/// What is known of every photo.
+#[derive(Default)]
+pub struct Table {
+    seen: Option<Seen>,
+    looking: Option<(Key, Task<Vec<Look>>)>,
+}
+
+/// What the look at the photos depends on.
+#[derive(Clone)]
+struct Key {
+    loaded: Arc<Loaded>,
+    spheres: Vec<Sphere>,
+}
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.loaded, &other.loaded) && self.spheres == other.spheres
+    }
+}
+
+struct Seen {
+    key: Key,
+    cells: Vec<(ShotName, Option<Exposed>, Option<TextureHandle>)>,
+}
+
+/// One photo, looked at.
+struct Look {
+    name: ShotName,
+    exposed: Option<Exposed>,
+    small: Option<ColorImage>,
+}
+
+impl Table {
+    pub fn ui(&mut self, ui: &mut Ui, session: &mut Session, selected: &mut Option<ShotName>) {
+        self.look(ui, session);
+        let document = session.document();
+        for table in document.set.tables(session.problems()) {
+            let title = subject_title(table.subject);
+            ui.label(RichText::new(title).strong());
+            Grid::new(title)
+                .spacing(vec2(8.0, 6.0))
+                .show(ui, |ui| self.grid(ui, session, &document.set, &table, selected));
+            ui.add_space(6.0);
+        }
+    }
+
+    fn grid(
+        &self,
+        ui: &mut Ui,
+        session: &mut Session,
+        set: &CaptureSet,
+        table: &ShotTable,
+        selected: &mut Option<ShotName>,
+    ) {
+        ui.label("");
+        for column in &table.columns {
+            let channel = column.as_ref().and_then(|name| Some(set.colours.get(set.colour_index(name)?)?.channel));
+            let text = column.as_deref().unwrap_or("any colour");
+            ui.label(match channel {
+                Some(channel) => format!("{text} (channel {channel})"),
+                None => text.to_owned(),
+            });
+        }
+        ui.end_row();
+        for row in &table.rows {
+            ui.label(row.light.as_deref().unwrap_or("no light"));
+            for (cell, colour) in row.cells.iter().zip(&table.columns) {
+                let name = ShotName { subject: table.subject, light: row.light.clone(), colour: colour.clone() };
+                ui.vertical(|ui| self.cell(ui, session, set, &name, cell, selected));
+            }
+            ui.end_row();
+        }
+    }
+
+    fn cell(
+        &self,
+        ui: &mut Ui,
+        session: &mut Session,
+        set: &CaptureSet,
+        name: &ShotName,
+        cell: &ShotCell,
+        selected: &mut Option<ShotName>,
+    ) {
+        let Some(shot) = cell.shots.first().and_then(|&index| set.shots.get(index)) else {
+            let text = if cell.problems.is_empty() { "none" } else { "missing" };
+            let colour =
+                if cell.problems.is_empty() { ui.visuals().weak_text_color() } else { ui.visuals().error_fg_color };
+            ui.label(RichText::new(text).color(colour)).on_hover_text(cell.problems.join("\n"));
+            return;
+        };
+        let loaded = session.results.loaded();
+        let failed = loaded.as_ref().and_then(|loaded| loaded.shot(name)?.photo.as_ref().err()).cloned();
+        let seen = self.seen.as_ref().and_then(|seen| seen.cells.iter().find(|(known, ..)| known == name));
+        let texture = seen.and_then(|(_, _, texture)| texture.as_ref());
+        let wrong: Vec<&String> = cell.problems.iter().chain(&failed).collect();
+
+        let title = Shown::Photo(name.clone()).title();
+        let is_selected = selected.as_ref() == Some(name);
+        let mut button = match texture {
+            Some(texture) => {
+                let size = texture.size_vec2();
+                let points = size * (THUMBNAIL_POINTS / size.max_elem());
+                Button::image(Image::new(ImageSource::Texture(SizedTexture::new(texture.id(), points))))
+            }
+            None => Button::new("no picture").min_size(vec2(THUMBNAIL_POINTS, THUMBNAIL_POINTS)),
+        };
+        button = button.selected(is_selected);
+        if !wrong.is_empty() {
+            button = button.fill(ui.visuals().error_fg_color.gamma_multiply(0.4));
+        }
+        let response = ui.add(button);
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, &title));
+        if response.on_hover_text(shot.files.join("\n")).clicked() {
+            *selected = Some(name.clone());
+            session.views.show(Shown::Photo(name.clone()));
+        }
+        let exposed = seen.and_then(|(_, exposed, _)| *exposed);
+        numbers(ui, shot, exposed);
+        for line in wrong {
+            ui.label(RichText::new(line).small().color(ui.visuals().error_fg_color));
+        }
+    }
+
+    /// Looks at the photos anew where they or the balls' circles have changed, on a worker.
+    fn look(&mut self, ui: &Ui, session: &mut Session) {
+        if let Some((key, task)) = self.looking.take() {
+            match task.poll() {
+                Some(Ok(looks)) => {
+                    let cells = looks.into_iter().map(|look| {
+                        let load = |image| ui.ctx().load_texture("thumbnail", image, TextureOptions::LINEAR);
+                        (look.name, look.exposed, look.small.map(load))
+                    });
+                    self.seen = Some(Seen { key, cells: cells.collect() });
+                }
+                Some(Err(line)) => session.log.add(crate::app::log::Level::Warning, line),
+                None => self.looking = Some((key, task)),
+            }
+        }
+        let Some(loaded) = session.results.loaded() else { return };
+        let document = session.document();
+        let key = Key { loaded, spheres: document.set.spheres.clone() };
+        let known = self.looking.as_ref().map(|(key, _)| key).or(self.seen.as_ref().map(|seen| &seen.key));
+        if known != Some(&key) && self.looking.is_none() {
+            let of = key.clone();
+            let task = session.jobs.start("Look at the photos", move |job| look_at(&document.set, &of.loaded, job));
+            self.looking = Some((key, task));
+        }
+    }
+}
+
+/// Clipped, dark, mean, exposure, repeats.
+fn numbers(ui: &mut Ui, shot: &Shot, exposed: Option<Exposed>) {
+    let small = |text: String| RichText::new(text).small();
+    if let Some(Exposed { clipped, dark, mean, .. }) = exposed {
+        let bad = |bad: bool| if bad { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
+        let (too_bright, too_dark) = (bad(clipped > TOO_MUCH_CLIPPED), bad(dark > TOO_MUCH_DARK));
+        ui.label(small(format!("clipped {:.1} %", 100.0 * clipped)).color(too_bright));
+        ui.label(small(format!("dark {:.1} %", 100.0 * dark)).color(too_dark));
+        ui.label(small(format!("mean {mean:.4}"))).on_hover_text("Linear light; 1 is the white level at exposure 1");
+    }
+    let files = match shot.files.len() {
+        1 => "1 file".to_owned(),
+        count => format!("{count} files"),
+    };
+    ui.label(small(format!("exposure {}, {files}", shot.exposure)));
+}
+
+fn look_at(set: &CaptureSet, loaded: &Loaded, job: &Job) -> Result<Vec<Look>, String> {
+    let mask = loaded.object.as_ref().ok().map(|object| &object.mask);
+    let mut looks = Vec::with_capacity(loaded.shots.len());
+    for shot in &loaded.shots {
+        if job.is_cancelled() {
+            return Err("the look at the photos was cancelled".into());
+        }
+        let name = shot.name.clone();
+        let Ok(photo) = &shot.photo else {
+            looks.push(Look { name, exposed: None, small: None });
+            continue;
+        };
+        let own = set.shots.iter().find(|other| ShotName::of(other) == name);
+        let region = own.and_then(|own| region_of(set, own, mask, photo.linear.size()));
+        let small = thumbnail(&photo.linear, THUMBNAIL_PX);
+        let white = shot.range[1].max(f32::MIN_POSITIVE);
+        let grey = |light: &f32| {
+            Color32::from_gray((Encoding::Srgb.encode((light / white).clamp(0.0, 1.0)) * 255.0).round() as u8)
+        };
+        let image = ColorImage::new([small.width(), small.height()], small.data().iter().map(grey).collect());
+        looks.push(Look { name, exposed: Some(Exposed::of(photo, region.as_ref())), small: Some(image) });
+    }
+    Ok(looks)
+}
+
+/// What people call the subject's photos.
+pub fn subject_title(subject: Subject) -> &'static str {
+    match subject {
+        Subject::Object => "Object",
+        Subject::GreySphere => "Grey ball",
+        Subject::MaterialSphere => "Ball of the paint",
+        Subject::MirrorSphere => "Mirror ball",
+        Subject::Dark => "Dark frames",
+        Subject::FlatField => "Flat fields",
+    }
+}
