@@ -16,6 +16,7 @@ use firstbounce_core::shape::Shape;
 
 use super::document::Document;
 use super::jobs::{Jobs, Task};
+use super::log::Level;
 
 pub use live::Rig;
 pub use pictures::{MarksName, Pictures, PlaneName, ShotName, Stored, When};
@@ -178,7 +179,7 @@ impl Results {
     }
 
     /// Takes what is finished and starts what is stale. Once a frame; `log` is told of every stage that ended.
-    pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(String)) -> Next {
+    pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(Level, String)) -> Next {
         self.take_finished(log);
         let keys = Keys::of(document, self);
         if let Some(running) = &mut self.running {
@@ -284,7 +285,7 @@ impl Results {
         })
     }
 
-    fn take_finished(&mut self, log: &mut dyn FnMut(String)) {
+    fn take_finished(&mut self, log: &mut dyn FnMut(Level, String)) {
         let Some(running) = &self.running else { return };
         let Some(outcome) = running.task.poll() else { return };
         let cancelled = running.task.job().is_cancelled();
@@ -298,8 +299,9 @@ impl Results {
             Err(line) => Outcome::lost(step, keys, line),
         };
         if let Some(line) = outcome.error() {
-            log(format!("{step}: {line}"));
+            log(Level::Error, format!("{step}: {line}"));
         }
+        outcome.warnings().iter().for_each(|warning| log(Level::Warning, warning.clone()));
         let pictures = &mut self.pictures;
         match outcome {
             Outcome::Load(key, result) => self.load.finish(key, result.map(|pair| pictures.take_from(pair))),
@@ -338,6 +340,15 @@ impl Outcome {
             (Step::Shape, Keys { shape: Some(key), .. }) => Self::Shape(key, Err(lost)),
             (Step::Mesh, Keys { mesh: Some(key), .. }) => Self::Mesh(key, Err(lost)),
             (_, Keys { load, .. }) => Self::Load(load, Err(lost)),
+        }
+    }
+
+    /// What a person should know before trusting the result.
+    fn warnings(&self) -> &[String] {
+        match self {
+            Self::Load(_, Ok((loaded, _))) => &loaded.warnings,
+            Self::Calibrate(_, Ok(calibration)) => &calibration.calibrated.warnings,
+            _ => &[],
         }
     }
 
