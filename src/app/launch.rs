@@ -85,12 +85,12 @@ fn guard_document() {
     panic::set_hook(Box::new(|info: &PanicHookInfo<'_>| {
         let saved = save_everything_now();
         let place = info.location().map(|place| format!(" ({}:{})", place.file(), place.line())).unwrap_or_default();
-        // Libraries that fail to load say so by a panic; `run` explains those.
+        let words = panic_words(info.payload());
+        // Libraries that fail to load say so by a panic on the main thread; `run` explains those.
         if saved {
-            eprintln!(
-                "firstbounce: {}{place}; the unsaved set is offered at the next start",
-                panic_words(info.payload())
-            );
+            eprintln!("firstbounce: {words}{place}; the unsaved set is offered at the next start");
+        } else if std::thread::current().name() != Some("main") {
+            eprintln!("firstbounce: {words}{place}");
         }
     }));
 }
@@ -116,5 +116,24 @@ fn explain(reason: &str) -> anyhow::Error {
         anyhow!("the display cannot be opened ({reason}); {ELSEWHERE}")
     } else {
         anyhow!("the window stopped: {reason}; {ELSEWHERE}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::explain;
+
+    #[test]
+    fn what_keeps_a_window_from_opening_is_told_with_what_to_install_or_run() {
+        let cases = [
+            ("Library libxkbcommon-x11.so could not be loaded.", "libxkbcommon-x11-0"),
+            ("Failed to create surface for any enabled backend: {}", "mesa-vulkan-drivers"),
+            ("neither WAYLAND_DISPLAY nor WAYLAND_SOCKET nor DISPLAY is set.", "the display cannot be opened"),
+            ("index out of bounds", "the window stopped"),
+        ];
+        for (reason, advice) in cases {
+            let line = explain(reason).to_string();
+            assert!(line.contains(advice) && line.contains("firstbounce solve SET") && !line.contains('\n'), "{line}");
+        }
     }
 }

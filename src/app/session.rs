@@ -48,6 +48,8 @@ pub struct Session {
     dialogs: Arc<dyn Dialogs>,
     disk: Option<DiskWatch>,
     is_open: bool,
+    /// Counts the sets that were opened: panels begin anew with each.
+    pub(super) opened: u64,
     requests: Vec<CommandId>,
     /// The document that recovery knows.
     noted: Arc<Document>,
@@ -70,6 +72,7 @@ impl Session {
             dialogs,
             disk: None,
             is_open: false,
+            opened: 0,
             requests: Vec::new(),
             noted: Arc::default(),
             changed_on_disk: false,
@@ -161,6 +164,7 @@ impl Session {
         self.editor = editor;
         self.noted = self.document();
         self.is_open = true;
+        self.opened += 1;
         let document = self.document();
         let folder = &document.set.folder;
         self.preferences.opened(folder);
@@ -273,7 +277,7 @@ impl Session {
             self.recovery.keep();
         }
         let log = &mut self.log;
-        self.results.update(&document, &mut self.jobs, &mut |line| log.add(Level::Error, line))
+        self.results.update(&document, &mut self.jobs, &mut |level, line| log.add(level, line))
     }
 }
 

@@ -62,6 +62,7 @@ pub enum CommandId {
     ThemeDark,
     ThemeLight,
     CancelJobs,
+    ComputeAgain,
     Palette,
     Help,
     FrameTimes,
@@ -208,6 +209,9 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::ShowExport, Menu::Steps, "Export", ctrl(Key::Num5), open, |t| t.session.panel = PanelName::Export),
     plain(CommandId::CancelJobs, Menu::Steps, "Cancel all jobs", None, always, |target| {
         target.session.jobs.running().iter().for_each(|job| job.cancel());
+    }),
+    plain(CommandId::ComputeAgain, Menu::Steps, "Compute again what failed", alone(Key::F9), open, |target| {
+        target.session.results.retry();
     }),
     plain(CommandId::SplitRight, Menu::View, "Split view right", ctrl(Key::Backslash), open, |t| {
         t.session.views.arrange_active(Arrange::SplitRight);

@@ -68,8 +68,11 @@ impl FileOnDisk {
         if folder.as_os_str().is_empty() {
             return Err(SaveError::NoFolder);
         }
-        if self.text.is_some() && !folder.is_dir() {
-            return Err(SaveError::FolderGone { folder: folder.clone() });
+        if !folder.is_dir() {
+            if self.text.is_some() {
+                return Err(SaveError::FolderGone { folder: folder.clone() });
+            }
+            fs::create_dir_all(folder).map_err(|reason| WriteError::Refused { path: folder.clone(), reason })?;
         }
         if self.changed() {
             return Err(SaveError::ChangedOnDisk { path: self.path.clone() });

@@ -4,6 +4,8 @@ mod disk;
 mod editor;
 mod recovery;
 mod settings;
+#[cfg(test)]
+mod tests;
 
 use firstbounce_capture::CaptureSet;
 

@@ -59,7 +59,28 @@ impl PanelName {
 
     /// How the step stands.
     pub fn state(self, session: &Session) -> StageState {
-        session.results.state(self.stage(), &session.document())
+        let state = session.results.state(self.stage(), &session.document());
+        match (self, &state) {
+            (Self::Captures, StageState::Ready) => captures_state(session),
+            _ => state,
+        }
+    }
+}
+
+/// Photos are read one by one: that some are there does not mean that all are.
+fn captures_state(session: &Session) -> StageState {
+    if session.document().set.shots.is_empty() {
+        return StageState::Blocked { line: "no photos yet: drop files on this window, or choose them below".into() };
+    }
+    let loaded = session.results.loaded();
+    let mut bad = loaded.iter().flat_map(|loaded| &loaded.shots).filter_map(|shot| shot.photo.as_ref().err());
+    match (bad.next(), bad.count()) {
+        (Some(line), 0) => StageState::Failed { line: line.clone() },
+        (Some(line), more) => StageState::Failed { line: format!("{line} (and {more} more)") },
+        (None, _) => session
+            .problems()
+            .first()
+            .map_or(StageState::Ready, |problem| StageState::Blocked { line: problem.to_string() }),
     }
 }
 

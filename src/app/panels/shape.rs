@@ -1,16 +1,232 @@
-//! Normals and depth.
+//! Normals and depth: which lights, how shadows are told, and what taking the bounces out has changed.
 
-use eframe::egui::Ui;
+use eframe::egui::{Button, DragValue, Grid, RichText, Ui};
+use firstbounce_capture::pipeline::{Evaluation, evaluate};
+use firstbounce_core::shape::Shape;
 
 use super::Panel;
+use crate::app::document::{Document, ShapeSettings};
+use crate::app::jobs::Task;
+use crate::app::results::{Shapes, StageState, Step, When};
 use crate::app::session::Session;
+use crate::app::views::Shown;
+use crate::app::window::advice;
+
+/// Photometric stereo solves for three unknowns.
+const FEWEST_LIGHTS: usize = 3;
 
 /// The panel.
 #[derive(Default)]
-pub struct ShapePanel;
+pub struct ShapePanel {
+    evaluating: Option<Task<Evaluation>>,
+    /// What the truth said, and of which document.
+    evaluated: Option<(std::sync::Arc<Document>, Result<Evaluation, String>)>,
+}
 
 impl Panel for ShapePanel {
     fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
-        ui.label(format!("Normals and depth. ({})", session.document().set.title()));
+        let document = session.document();
+        lights(ui, session, &document);
+        ui.separator();
+        options(ui, session, &document);
+        ui.separator();
+        match session.results.state(Step::Shape, &document) {
+            StageState::Failed { line } | StageState::Blocked { line } => {
+                ui.colored_label(ui.visuals().error_fg_color, line);
+            }
+            StageState::Running { .. } | StageState::Stale => advice(ui, "The surface is being computed."),
+            StageState::Ready => {}
+        }
+        if let Some(shapes) = session.results.shapes() {
+            before_and_after(ui, session, &shapes);
+        }
+        self.truth(ui, session, &document);
     }
+}
+
+fn lights(ui: &mut Ui, session: &mut Session, document: &Document) {
+    ui.label(RichText::new("Lights").strong());
+    if document.set.lights.is_empty() {
+        advice(ui, "This set has no light yet: add photos in Captures.");
+    }
+    let left_out = &document.settings.shape.left_out;
+    let used = document.set.lights.iter().filter(|light| !left_out.contains(&light.name)).count();
+    for light in &document.set.lights {
+        let mut is_used = !left_out.contains(&light.name);
+        // Three lights are the fewest that tell a normal; the fourth can be spared.
+        let can_change = !is_used || used > FEWEST_LIGHTS;
+        let check =
+            ui.add_enabled(can_change, eframe::egui::Checkbox::new(&mut is_used, format!("Use {}", light.name)));
+        if check.on_disabled_hover_text("Normals need at least three lights").changed() {
+            let name = light.name.clone();
+            let verb = if is_used { "Use light" } else { "Leave out light" };
+            session.edit(&format!("{verb} {name}"), |document| {
+                let left_out = &mut document.settings.shape.left_out;
+                left_out.retain(|other| *other != name);
+                if !is_used {
+                    left_out.push(name);
+                }
+            });
+        }
+    }
+}
+
+fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
+    let mut settings = document.settings.shape.clone();
+    let mut changed = None;
+    Grid::new("shape options").num_columns(2).show(ui, |ui| {
+        let mut percent = |ui: &mut Ui, label: &str, hover: &str, share: &mut f64| {
+            let name = ui.label(label).on_hover_text(hover);
+            let mut value = 100.0 * *share;
+            let field = DragValue::new(&mut value).range(0.0..=99.0).speed(0.1).max_decimals(1).suffix(" %");
+            if ui.add(field).labelled_by(name.id).changed() {
+                *share = value / 100.0;
+                changed = Some(format!("Change {}", label.to_lowercase()));
+            }
+            ui.end_row();
+        };
+        percent(
+            ui,
+            "Shadow threshold",
+            "A light is in shadow at a pixel where it is weaker than this share of the brightest light",
+            &mut settings.shadow_fraction,
+        );
+        percent(
+            ui,
+            "Misfit threshold",
+            "With five or more lights, one that misses the fit by more than this share of the brightest is left out",
+            &mut settings.outlier_fraction,
+        );
+        let mut whole = |ui: &mut Ui, label: &str, hover: &str, unit: &str, value: &mut usize, range| {
+            let name = ui.label(label).on_hover_text(hover);
+            let field = DragValue::new(value).range(range).speed(0.05).suffix(unit);
+            if ui.add(field).labelled_by(name.id).changed() {
+                changed = Some(format!("Change {}", label.to_lowercase()));
+            }
+            ui.end_row();
+        };
+        let near = "How often near lamps are placed anew over the depth; distant lamps need one round";
+        whole(ui, "Rounds for near lamps", near, "", &mut settings.rounds, 1..=10);
+        let window = "Half width of the window in which the noise of indirect light is averaged; 0 for none";
+        whole(ui, "Indirect window", window, " px", &mut settings.indirect_radius_px, 0..=64);
+    });
+    if let Some(name) = changed {
+        session.edit(&name, |document| document.settings.shape = settings);
+    }
+    let default = ShapeSettings { left_out: document.settings.shape.left_out.clone(), ..ShapeSettings::default() };
+    let is_default = document.settings.shape == default;
+    if ui.add_enabled(!is_default, Button::new("Back to the command line's defaults")).clicked() {
+        session.edit("Reset shape options", |document| document.settings.shape = default);
+    }
+}
+
+fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
+    ui.label(RichText::new("Before and after the bounces were taken out").strong());
+    Grid::new("before and after").num_columns(3).striped(true).show(ui, |ui| {
+        for heading in ["", "before", "after"] {
+            ui.label(RichText::new(heading).strong());
+        }
+        ui.end_row();
+        for (what, value) in ROWS {
+            ui.label(*what);
+            ui.monospace(value(&shapes.before));
+            ui.monospace(value(&shapes.after));
+            ui.end_row();
+        }
+    });
+    if let Some(turned) = shapes.turned {
+        ui.label(format!(
+            "The normals turned by {:.2} degrees on the mean, {:.2} in the median.",
+            turned.mean_deg, turned.median_deg
+        ));
+    }
+    ui.horizontal_wrapped(|ui| {
+        for shown in [
+            Shown::Normals(When::After),
+            Shown::Normals(When::Before),
+            Shown::Depth(When::After),
+            Shown::Albedo(When::After),
+            Shown::Difference(Box::new(Shown::Depth(When::After)), Box::new(Shown::Depth(When::Before))),
+        ] {
+            if ui.button(format!("Show {}", lower_first(&shown.title()))).clicked() {
+                session.views.show(shown);
+            }
+        }
+    });
+}
+
+type Row = (&'static str, fn(&Shape) -> String);
+
+const ROWS: &[Row] = &[
+    ("Pixels with a normal", |shape| shape.report.normals.solved_pixels.to_string()),
+    ("Pixels without", |shape| shape.report.normals.unsolved_pixels.to_string()),
+    ("With shadowed lights left out", |shape| shape.report.normals.shadowed_pixels.to_string()),
+    ("Expected noise, degrees", |shape| format!("{:.2}", shape.report.normals.mean_noise_deg)),
+    ("Mean albedo", |shape| format!("{:.4}", shape.report.normals.mean_albedo)),
+    ("Condition of the lamps", |shape| format!("{:.2}", shape.report.normals.condition_number)),
+    ("Slope residual of the depth", |shape| format!("{:.4}", shape.depth.report.rms_slope_residual)),
+    ("Unconnected parts", |shape| shape.depth.report.islands.to_string()),
+];
+
+fn lower_first(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+impl ShapePanel {
+    /// For sets that know the truth.
+    fn truth(&mut self, ui: &mut Ui, session: &mut Session, document: &std::sync::Arc<Document>) {
+        if !document.set.truth_normals().is_file() {
+            return;
+        }
+        ui.separator();
+        ui.label(RichText::new("Against the truth of this set").strong());
+        if let Some(outcome) = self.evaluating.as_ref().and_then(Task::poll) {
+            self.evaluating = None;
+            self.evaluated = Some((document.clone(), outcome));
+        }
+        let free = self.evaluating.is_none();
+        if ui.add_enabled(free, Button::new("Compare with the truth")).clicked() {
+            let (set, options) = (document.set.clone(), document.settings.shape.options());
+            self.evaluating = Some(session.jobs.start("Compare with the truth", move |job| {
+                evaluate(&set, &options, job).map_err(|error| error.to_string())
+            }));
+        }
+        match &self.evaluated {
+            Some((_, Err(line))) => {
+                ui.colored_label(ui.visuals().error_fg_color, line);
+            }
+            Some((of, Ok(evaluation))) => {
+                evaluation_ui(ui, evaluation);
+                if of != document {
+                    ui.colored_label(ui.visuals().warn_fg_color, "The set was edited since: compare again.");
+                }
+            }
+            None => {}
+        }
+    }
+}
+
+fn evaluation_ui(ui: &mut Ui, evaluation: &Evaluation) {
+    let errors = &evaluation.normal_error_deg;
+    Grid::new("truth").num_columns(2).striped(true).show(ui, |ui| {
+        let mut row = |what: &str, value: String| {
+            ui.label(what);
+            ui.monospace(value);
+            ui.end_row();
+        };
+        row("Normal error before, mean", format!("{:.2} degrees", errors.raw.mean));
+        row("Normal error after, mean", format!("{:.2} degrees", errors.separated.mean));
+        if let Some(direct) = errors.true_direct {
+            row("From true direct light, mean", format!("{:.2} degrees", direct.mean));
+        }
+        for (what, rmse) in
+            [("Depth error before", evaluation.depth_rmse_raw_mm), ("Depth error after", evaluation.depth_rmse_mm)]
+        {
+            if let Some(rmse) = rmse {
+                row(what, format!("{rmse:.3} mm"));
+            }
+        }
+        row("Pixels compared", format!("{} of {}", evaluation.pixels, evaluation.pixels_with_truth));
+    });
 }

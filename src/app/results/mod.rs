@@ -10,12 +10,13 @@ mod stage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use firstbounce_capture::pipeline::{Calibrated, Direct, Separated, Surfaced};
+use firstbounce_capture::pipeline::{Calibrated, Separated, Solved, Surfaced};
 use firstbounce_core::Mesh;
 use firstbounce_core::shape::Shape;
 
 use super::document::Document;
 use super::jobs::{Jobs, Task};
+use super::log::Level;
 
 pub use live::Rig;
 pub use pictures::{MarksName, Pictures, PlaneName, ShotName, Stored, When};
@@ -23,10 +24,12 @@ pub use run::{Loaded, LoadedShot, Shapes};
 pub use stage::{StageState, Step};
 
 use depends::Keys;
+use pictures::Batch;
 use stage::Slot;
 
 /// Work starts when the document has been left alone for so long: a drag would otherwise start it anew every frame.
 const SETTLE: Duration = Duration::from_millis(150);
+const CANCELLED: &str = "cancelled; \"Compute again what failed\" (F9) starts it anew";
 
 /// A calibration and the names it counts by.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,11 +69,11 @@ pub struct Results {
 
 /// What a stage's job gives.
 enum Outcome {
-    Load(depends::LoadKey, Result<Loaded, String>),
+    Load(depends::LoadKey, Result<(Loaded, Batch), String>),
     Measure(depends::MeasureKey, Result<Calibration, String>),
     Calibrate(depends::CalibrateKey, Result<Calibration, String>),
-    Separate(depends::SeparateKey, Result<Separated, String>),
-    Shape(depends::ShapeKey, Result<Shapes, String>),
+    Separate(depends::SeparateKey, Result<(Separated, Batch), String>),
+    Shape(depends::ShapeKey, Result<(Shapes, Batch), String>),
     Mesh(depends::MeshKey, Result<Meshes, String>),
 }
 
@@ -78,6 +81,8 @@ struct Running {
     step: Step,
     keys: Keys,
     task: Task<Outcome>,
+    /// Whether an edit cancelled it, and not a person.
+    superseded: bool,
 }
 
 /// What a frame of the engine asks for.
@@ -155,6 +160,16 @@ impl Results {
         self.reloads += 1;
     }
 
+    /// Tries again what failed or was cancelled.
+    pub fn retry(&mut self) {
+        self.load.retry();
+        self.measure.retry();
+        self.calibrate.retry();
+        self.separate.retry();
+        self.shape.retry();
+        self.mesh.retry();
+    }
+
     /// Forgets everything: another set was opened.
     pub fn clear(&mut self) {
         if let Some(running) = &self.running {
@@ -164,11 +179,12 @@ impl Results {
     }
 
     /// Takes what is finished and starts what is stale. Once a frame; `log` is told of every stage that ended.
-    pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(String)) -> Next {
+    pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(Level, String)) -> Next {
         self.take_finished(log);
         let keys = Keys::of(document, self);
-        if let Some(running) = &self.running {
+        if let Some(running) = &mut self.running {
             if running.keys.upto(running.step) != keys.upto(running.step) {
+                running.superseded = true;
                 running.task.job().cancel();
             }
             return Next::Rest;
@@ -196,7 +212,7 @@ impl Results {
             }
         }
         if let Some(task) = self.start(step, &keys, document, jobs) {
-            self.running = Some(Running { step, keys, task });
+            self.running = Some(Running { step, keys, task, superseded: false });
         }
         Next::Rest
     }
@@ -224,7 +240,10 @@ impl Results {
         Some(match step {
             Step::Load => {
                 let key = keys.load.clone();
-                jobs.start(name, move |job| Ok(Outcome::Load(key, run::load(&document.set, job))))
+                jobs.start(name, move |job| {
+                    let loaded = run::load(&document.set, job);
+                    Ok(Outcome::Load(key, loaded.map(|loaded| with_batch(loaded, Batch::of_loaded))))
+                })
             }
             Step::Measure => {
                 let key = keys.measure.clone()?;
@@ -244,6 +263,8 @@ impl Results {
                 let (key, loaded, calibration) = (keys.separate.clone()?, self.loaded()?, self.calibration()?);
                 jobs.start(name, move |job| {
                     let separated = run::separate(&document.set, &loaded, &calibration, key.bounces, job);
+                    let batch = |separated: &Separated| Batch::of_separated(&key.lights, separated);
+                    let separated = separated.map(|separated| with_batch(separated, batch));
                     Ok(Outcome::Separate(key, separated))
                 })
             }
@@ -252,6 +273,8 @@ impl Results {
                 let (loaded, calibration, separated) = (self.loaded()?, self.calibration()?, self.separated()?);
                 jobs.start(name, move |job| {
                     let shapes = run::shape(&document, &loaded, &calibration, &separated, job);
+                    let batch = |shapes: &Shapes| Batch::of_shapes(&key.lights, shapes);
+                    let shapes = shapes.map(|shapes| with_batch(shapes, batch));
                     Ok(Outcome::Shape(key, shapes))
                 })
             }
@@ -262,34 +285,31 @@ impl Results {
         })
     }
 
-    fn take_finished(&mut self, log: &mut dyn FnMut(String)) {
+    fn take_finished(&mut self, log: &mut dyn FnMut(Level, String)) {
         let Some(running) = &self.running else { return };
         let Some(outcome) = running.task.poll() else { return };
         let cancelled = running.task.job().is_cancelled();
-        let Some(Running { step, keys, .. }) = self.running.take() else { return };
-        if cancelled {
+        let Some(Running { step, keys, superseded, .. }) = self.running.take() else { return };
+        if superseded {
             return;
         }
-        let outcome = outcome.unwrap_or_else(|line| Outcome::lost(step, keys, line));
+        let outcome = match outcome {
+            _ if cancelled => Outcome::lost(step, keys, CANCELLED.into()),
+            Ok(outcome) => outcome,
+            Err(line) => Outcome::lost(step, keys, line),
+        };
         if let Some(line) = outcome.error() {
-            log(format!("{step}: {line}"));
+            log(Level::Error, format!("{step}: {line}"));
         }
+        outcome.warnings().iter().for_each(|warning| log(Level::Warning, warning.clone()));
+        let pictures = &mut self.pictures;
         match outcome {
-            Outcome::Load(key, result) => {
-                let pictures = &mut self.pictures;
-                self.load.finish(key, result, |loaded| pictures.take_loaded(loaded));
-            }
-            Outcome::Measure(key, result) => self.measure.finish(key, result, |_| ()),
-            Outcome::Calibrate(key, result) => self.calibrate.finish(key, result, |_| ()),
-            Outcome::Separate(key, result) => {
-                let (pictures, lights) = (&mut self.pictures, key.lights.clone());
-                self.separate.finish(key, result, |separated| pictures.take_separated(&lights, separated));
-            }
-            Outcome::Shape(key, result) => {
-                let (pictures, lights) = (&mut self.pictures, key.lights.clone());
-                self.shape.finish(key, result, |shapes| pictures.take_shapes(&lights, shapes));
-            }
-            Outcome::Mesh(key, result) => self.mesh.finish(key, result, |_| ()),
+            Outcome::Load(key, result) => self.load.finish(key, result.map(|pair| pictures.take_from(pair))),
+            Outcome::Measure(key, result) => self.measure.finish(key, result),
+            Outcome::Calibrate(key, result) => self.calibrate.finish(key, result),
+            Outcome::Separate(key, result) => self.separate.finish(key, result.map(|pair| pictures.take_from(pair))),
+            Outcome::Shape(key, result) => self.shape.finish(key, result.map(|pair| pictures.take_from(pair))),
+            Outcome::Mesh(key, result) => self.mesh.finish(key, result),
         }
     }
 
@@ -323,6 +343,15 @@ impl Outcome {
         }
     }
 
+    /// What a person should know before trusting the result.
+    fn warnings(&self) -> &[String] {
+        match self {
+            Self::Load(_, Ok((loaded, _))) => &loaded.warnings,
+            Self::Calibrate(_, Ok(calibration)) => &calibration.calibrated.warnings,
+            _ => &[],
+        }
+    }
+
     fn error(&self) -> Option<&str> {
         match self {
             Self::Load(_, Err(line))
@@ -336,18 +365,45 @@ impl Outcome {
     }
 }
 
-/// The results as the pipeline's writer takes them; `None` until all of them are there.
-pub fn solved(results: &Results) -> Option<firstbounce_capture::pipeline::Solved> {
-    let (loaded, separated, shapes, meshes) =
-        (results.loaded()?, results.separated()?, results.shapes()?, results.meshes()?);
-    let surfaced = |shape: &Shape, mesh: &Mesh| Surfaced { shape: shape.clone(), mesh: mesh.clone() };
-    Some(firstbounce_capture::pipeline::Solved {
-        object: loaded.object.as_ref().ok()?.clone(),
-        calibrated: results.calibration()?.calibrated.clone(),
-        separated: Separated::clone(&separated),
-        direct: shapes.direct.iter().map(Direct::clone).collect(),
-        after: Ok(surfaced(&shapes.after, &meshes.after)),
-        before: Some(surfaced(&shapes.before, &meshes.before)),
-        stages: Vec::new(),
-    })
+fn with_batch<T>(result: T, batch: impl FnOnce(&T) -> Batch) -> (T, Batch) {
+    let batch = batch(&result);
+    (result, batch)
+}
+
+/// The results of every stage, to be written off the UI thread.
+pub struct Finished {
+    loaded: Arc<Loaded>,
+    calibration: Arc<Calibration>,
+    separated: Arc<Separated>,
+    shapes: Arc<Shapes>,
+    meshes: Arc<Meshes>,
+}
+
+impl Results {
+    /// The results of every stage; `None` until all of them are there.
+    pub fn finished(&self) -> Option<Finished> {
+        Some(Finished {
+            loaded: self.loaded()?,
+            calibration: self.calibration()?,
+            separated: self.separated()?,
+            shapes: self.shapes()?,
+            meshes: self.meshes()?,
+        })
+    }
+}
+
+impl Finished {
+    /// As the pipeline's writer takes them. Copies marks, so call it in a job.
+    pub fn solved(&self) -> Result<Solved, String> {
+        let surfaced = |shape: &Shape, mesh: &Mesh| Surfaced { shape: shape.clone(), mesh: mesh.clone() };
+        Ok(Solved {
+            object: self.loaded.object.clone()?,
+            calibrated: self.calibration.calibrated.clone(),
+            separated: Separated::clone(&self.separated),
+            direct: self.shapes.direct.clone(),
+            after: Ok(surfaced(&self.shapes.after, &self.meshes.after)),
+            before: Some(surfaced(&self.shapes.before, &self.meshes.before)),
+            stages: Vec::new(),
+        })
+    }
 }

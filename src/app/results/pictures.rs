@@ -6,9 +6,11 @@ use std::sync::Arc;
 use firstbounce_capture::pipeline::Separated;
 use firstbounce_capture::set::{Shot, Subject, Word};
 use firstbounce_core::{Plane, shape::Shape};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::run::{Loaded, Shapes};
+use super::stage::Step;
 use crate::gpu::{CanvasMarks, CanvasPlane};
 
 /// A shot by its words, as it survives an edit of others.
@@ -116,60 +118,110 @@ impl Pictures {
         self.marks.get(name)
     }
 
-    pub(super) fn take_loaded(&mut self, loaded: &Loaded) {
-        let shots = &loaded.shots;
-        let is_there = |name: &ShotName| shots.iter().any(|shot| shot.name == *name && shot.photo.is_ok());
-        self.planes.retain(|name, _| !matches!(name, PlaneName::Photo(shot) if !is_there(shot)));
-        self.marks.retain(|name, _| !matches!(name, MarksName::Photo(shot) if !is_there(shot)));
-        for shot in shots {
-            if let Ok(photo) = &shot.photo {
-                self.put_ranged(PlaneName::Photo(shot.name.clone()), &photo.linear, shot.range);
-                self.put_marks(MarksName::Photo(shot.name.clone()), photo.linear.size(), &photo.marks);
-            }
-        }
-        match &loaded.object {
-            Ok(object) => {
-                let inside: Vec<_> = object.mask.data().iter().map(|&inside| u8::from(inside)).collect();
-                self.put_marks(MarksName::Mask, object.mask.size(), &inside);
-            }
-            Err(_) => {
-                self.marks.remove(&MarksName::Mask);
-            }
-        }
+    /// Takes the pictures that came with a result.
+    pub(super) fn take_from<T>(&mut self, (result, batch): (T, Batch)) -> T {
+        self.take(batch);
+        result
     }
 
-    pub(super) fn take_separated(&mut self, lights: &[String], separated: &Separated) {
-        self.planes.retain(|name, _| {
-            !matches!(name, PlaneName::Bounce(..) | PlaneName::Residual(_))
-                || matches!(name, PlaneName::Bounce(light, k) if lights.contains(light)
-                    && separated.lights.first().is_some_and(|first| *k <= first.bounces.len()))
-                || matches!(name, PlaneName::Residual(light) if lights.contains(light)
-                    && separated.lights.first().is_some_and(|first| first.residual.is_some()))
-        });
+    /// Puts all pictures of one stage in place of those it gave before. The same name keeps its picture's key: the old
+    /// numbers stay on screen until the new ones are on the card.
+    fn take(&mut self, batch: Batch) {
+        let stage = batch.stage;
+        let mut old_planes: HashMap<_, _> = self.planes.extract_if(|name, _| name.stage() == stage).collect();
+        for (name, plane, range) in batch.planes {
+            let mut new = CanvasPlane::new(plane);
+            if let Some(old) = old_planes.remove(&name).filter(|old| old.plane.plane.size() == new.plane.size()) {
+                new.key = old.plane.key.next_version();
+            }
+            self.planes.insert(name, Stored { plane: new, range });
+        }
+        let mut old_marks: HashMap<_, _> = self.marks.extract_if(|name, _| name.stage() == stage).collect();
+        for (name, mut new) in batch.marks {
+            if let Some(old) = old_marks.remove(&name) {
+                new.key = old.key.next_version();
+            }
+            self.marks.insert(name, new);
+        }
+    }
+}
+
+impl PlaneName {
+    /// The stage that gives it.
+    fn stage(&self) -> Step {
+        match self {
+            Self::Photo(_) => Step::Load,
+            Self::Bounce(..) | Self::Noise(_) | Self::Residual(_) => Step::Separate,
+            Self::Direct(_) | Self::Normal(..) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) => Step::Shape,
+        }
+    }
+}
+
+impl MarksName {
+    fn stage(&self) -> Step {
+        match self {
+            Self::Photo(_) | Self::Mask => Step::Load,
+            Self::Separation(_) => Step::Separate,
+            Self::Normals(_) => Step::Shape,
+        }
+    }
+}
+
+/// The pictures of one stage, gathered off the UI thread: at 24 megapixels even a copy of marks would be felt there.
+pub struct Batch {
+    stage: Step,
+    planes: Vec<(PlaneName, Arc<Plane>, [f32; 2])>,
+    marks: Vec<(MarksName, CanvasMarks)>,
+}
+
+impl Batch {
+    fn new(stage: Step) -> Self {
+        Self { stage, planes: Vec::new(), marks: Vec::new() }
+    }
+
+    pub fn of_loaded(loaded: &Loaded) -> Self {
+        let mut batch = Self::new(Step::Load);
+        for shot in &loaded.shots {
+            if let Ok(photo) = &shot.photo {
+                batch.put_ranged(PlaneName::Photo(shot.name.clone()), &photo.linear, shot.range);
+                batch.put_marks(MarksName::Photo(shot.name.clone()), photo.linear.size(), &photo.marks);
+            }
+        }
+        if let Ok(object) = &loaded.object {
+            batch.marks.push((MarksName::Mask, CanvasMarks::of_mask(&object.mask)));
+        }
+        batch
+    }
+
+    pub fn of_separated(lights: &[String], separated: &Separated) -> Self {
+        let mut batch = Self::new(Step::Separate);
         for (light, separation) in lights.iter().zip(&separated.lights) {
             for (k, bounce) in (1..).zip(&separation.bounces) {
-                self.put(PlaneName::Bounce(light.clone(), k), bounce);
+                batch.put(PlaneName::Bounce(light.clone(), k), bounce);
             }
             if let Some(noise) = &separation.direct_noise {
-                self.put(PlaneName::Noise(light.clone()), noise);
+                batch.put(PlaneName::Noise(light.clone()), noise);
             }
             if let Some(residual) = &separation.residual {
-                self.put(PlaneName::Residual(light.clone()), residual);
+                batch.put(PlaneName::Residual(light.clone()), residual);
             }
             let size = separation.bounces.first().map_or((0, 0), Plane::size);
-            self.put_marks(MarksName::Separation(light.clone()), size, &separation.marks);
+            batch.put_marks(MarksName::Separation(light.clone()), size, &separation.marks);
         }
+        batch
     }
 
-    pub(super) fn take_shapes(&mut self, lights: &[String], shapes: &Shapes) {
+    pub fn of_shapes(lights: &[String], shapes: &Shapes) -> Self {
+        let mut batch = Self::new(Step::Shape);
         for (light, direct) in lights.iter().zip(&shapes.direct) {
-            self.put(PlaneName::Direct(light.clone()), &direct.light);
+            batch.put(PlaneName::Direct(light.clone()), &direct.light);
         }
-        self.take_shape(When::After, &shapes.after);
-        self.take_shape(When::Before, &shapes.before);
+        batch.put_shape(When::After, &shapes.after);
+        batch.put_shape(When::Before, &shapes.before);
+        batch
     }
 
-    fn take_shape(&mut self, when: When, shape: &Shape) {
+    fn put_shape(&mut self, when: When, shape: &Shape) {
         let normals = &shape.normals;
         for (axis, plane) in [normals.map.x(), normals.map.y(), normals.map.z()].into_iter().enumerate() {
             self.put_ranged(PlaneName::Normal(when, axis), plane, [-1.0, 1.0]);
@@ -184,28 +236,21 @@ impl Pictures {
         self.put_ranged(name, plane, range_of(plane));
     }
 
-    /// The same name keeps its key's picture: the old numbers stay on screen until the new ones are on the card.
     fn put_ranged(&mut self, name: PlaneName, plane: &Plane, range: [f32; 2]) {
-        let mut new = CanvasPlane::new(Arc::new(plane.clone()));
-        if let Some(old) = self.planes.get(&name).filter(|old| old.plane.plane.size() == plane.size()) {
-            new.key = old.plane.key.next_version();
-        }
-        self.planes.insert(name, Stored { plane: new, range });
+        self.planes.push((name, Arc::new(plane.clone()), range));
     }
 
     fn put_marks(&mut self, name: MarksName, size: (usize, usize), marks: &[u8]) {
-        let Some(mut new) = CanvasMarks::new(size, Arc::new(marks.to_vec())) else { return };
-        if let Some(old) = self.marks.get(&name) {
-            new.key = old.key.next_version();
+        if let Some(marks) = CanvasMarks::new(size, Arc::new(marks.to_vec())) {
+            self.marks.push((name, marks));
         }
-        self.marks.insert(name, new);
     }
 }
 
 fn depth_where_known(shape: &Shape) -> Plane {
     let depth = &shape.depth;
     let known = |(z, known): (&f32, &bool)| if *known { *z } else { f32::NAN };
-    let data = depth.depth_mm.data().iter().zip(depth.mask.data()).map(known).collect();
+    let data = depth.depth_mm.data().par_iter().zip(depth.mask.data()).map(known).collect();
     Plane::from_vec(depth.depth_mm.width(), depth.depth_mm.height(), data).unwrap_or_else(|| depth.depth_mm.clone())
 }
 

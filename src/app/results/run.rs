@@ -9,7 +9,7 @@ use firstbounce_capture::set::{Colour, Light, Shot, Subject};
 use firstbounce_core::mesh::MeshOptions;
 use firstbounce_core::separate::LightPhotos;
 use firstbounce_core::shape::Shape;
-use firstbounce_core::{Photo, Watch};
+use firstbounce_core::{AngularError, Photo, Watch};
 
 use super::pictures::{ShotName, range_of};
 use super::{Calibration, Meshes};
@@ -56,6 +56,8 @@ pub struct Shapes {
     pub after: Shape,
     /// From the photos as they are.
     pub before: Shape,
+    /// How far the normals turned; `None` where no pixel has both.
+    pub turned: Option<AngularError>,
 }
 
 pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
@@ -177,7 +179,8 @@ pub fn shape(
     };
     let after = surface(&direct)?;
     let before = surface(&raw)?;
-    Ok(Shapes { direct, after, before })
+    let turned = before.normals.map.angular_error(&after.normals.map, &after.normals.solved());
+    Ok(Shapes { direct, after, before, turned })
 }
 
 fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {

@@ -121,11 +121,17 @@ impl<K: PartialEq, T> Slot<K, T> {
         self.state(wanted) == StageState::Ready
     }
 
-    pub fn finish(&mut self, key: K, result: Result<T, String>, take: impl FnOnce(&T)) {
+    /// Forgets an attempt that failed.
+    pub fn retry(&mut self) {
+        if self.error.take().is_some() {
+            self.tried = None;
+        }
+    }
+
+    pub fn finish(&mut self, key: K, result: Result<T, String>) {
         self.tried = Some(key);
         match result {
             Ok(result) => {
-                take(&result);
                 self.last = Some(Arc::new(result));
                 self.generation += 1;
                 self.error = None;

@@ -5,6 +5,7 @@ mod pane;
 mod picker;
 mod picture;
 mod shown;
+mod statistics;
 mod tiles;
 
 use std::collections::HashMap;
@@ -14,7 +15,7 @@ use egui_tiles::{LinearDir, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
 pub use look::Look;
-pub use picture::{Picture, picture};
+pub use picture::{Picture, layer, picture};
 pub use shown::Shown;
 pub use tiles::ui;
 
@@ -50,6 +51,7 @@ pub struct Hover {
 pub struct Views {
     tree: Tree<View>,
     canvases: HashMap<u64, CanvasState>,
+    statistics: statistics::Statistics,
     /// The zoom and pan that linked views share.
     shared: canvas::View,
     /// The pixel that is looked at, in this frame or the last.
@@ -94,6 +96,7 @@ impl Views {
         Self {
             tree,
             canvases: HashMap::new(),
+            statistics: Default::default(),
             shared: canvas::View::Fit,
             hover: None,
             active,

@@ -13,6 +13,10 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Pane
     ui.push_id(view.id, |ui| {
         ui.horizontal_wrapped(|ui| tools(ui, view, session));
         let document = session.document();
+        let Session { views, results, jobs, .. } = session;
+        if let Some(words) = views.statistics.words(view.id, &view.shown, &document, results, jobs) {
+            ui.label(words);
+        }
         match picture(&view.shown, &document, &session.results) {
             Ok(shown) => canvas(ui, view, &shown, session, panels),
             Err(line) => {

@@ -31,6 +31,8 @@ pub struct Window {
     panels: Panels,
     chrome: Chrome,
     start: StartScreen,
+    /// Which of the opened sets the panels belong to.
+    begun: u64,
     /// The title and scale that the system was told.
     told: (String, f32, Option<Theme>),
 }
@@ -51,6 +53,7 @@ impl Window {
             panels: Panels::default(),
             chrome: Chrome::default(),
             start: StartScreen::default(),
+            begun: 0,
             told: Default::default(),
         }
     }
@@ -58,7 +61,15 @@ impl Window {
     /// Opens a set.
     pub fn open(&mut self, open: Open) {
         self.session.open(open);
-        self.panels = Panels::default();
+        self.begin_panels();
+    }
+
+    /// What panels keep from frame to frame belongs to one set.
+    fn begin_panels(&mut self) {
+        if self.begun != self.session.opened {
+            self.begun = self.session.opened;
+            self.panels = Panels::default();
+        }
     }
 
     /// Opens the set of the last run, if it is still there and no run before was lost.
@@ -145,6 +156,7 @@ impl Window {
         let requested = self.session.take_requests();
         for id in chosen.into_iter().flatten().chain(requested) {
             self.run(id, context);
+            self.begin_panels();
         }
     }
 

@@ -9,16 +9,23 @@ use crate::app::session::Session;
 /// Shows the steps; a click opens one.
 pub fn ui(ui: &mut Ui, session: &mut Session) {
     ui.add_space(4.0);
+    // One missing thing stops every later step: it is told once, where it is.
+    let mut told = String::new();
     for (number, name) in (1..).zip(PanelName::ALL) {
         let state = name.state(session);
+        let (words, colour) = words(&state, ui);
         ui.horizontal(|ui| {
-            let title = format!("{number}  {}", name.title());
-            if ui.selectable_label(session.panel == name, RichText::new(title).strong()).clicked() {
+            let title = RichText::new(format!("{number}  {}", name.title())).strong();
+            if ui.selectable_label(session.panel == name, title).clicked() {
                 session.panel = name;
             }
-            let (words, colour) = words(&state, ui);
-            ui.label(RichText::new(words).color(colour).small()).on_hover_text(line(&state));
+            ui.label(RichText::new(words).color(colour));
         });
+        let (StageState::Failed { line } | StageState::Blocked { line }) = state else { continue };
+        if told.is_empty() || !line.contains(&told) {
+            ui.indent(number, |ui| ui.label(RichText::new(&line).color(colour)));
+            told = line;
+        }
     }
 }
 
@@ -30,14 +37,5 @@ fn words(state: &StageState, ui: &Ui) -> (String, Color32) {
         StageState::Ready => ("ready".into(), visuals.weak_text_color()),
         StageState::Failed { .. } => ("failed".into(), visuals.error_fg_color),
         StageState::Blocked { .. } => ("needs something".into(), visuals.warn_fg_color),
-    }
-}
-
-fn line(state: &StageState) -> String {
-    match state {
-        StageState::Stale => "Will be computed anew".into(),
-        StageState::Running { .. } => "Is being computed".into(),
-        StageState::Ready => "Up to date".into(),
-        StageState::Failed { line } | StageState::Blocked { line } => line.clone(),
     }
 }

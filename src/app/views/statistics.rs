@@ -1,0 +1,69 @@
+//! The numbers of a difference: computed off the UI thread, for the pictures as they are now.
+
+use std::collections::HashMap;
+
+use super::{Shown, layer};
+use crate::app::document::Document;
+use crate::app::jobs::{Jobs, Task};
+use crate::app::results::Results;
+use crate::gpu::{Difference, Layer, PlaneKey, difference};
+
+/// Which planes, and with which weights: the same terms, the same numbers.
+type Terms = Vec<(PlaneKey, f32)>;
+
+/// The differences on screen, by their view.
+#[derive(Default)]
+pub struct Statistics {
+    of_view: HashMap<u64, OfView>,
+}
+
+struct OfView {
+    terms: Terms,
+    task: Option<Task<Difference>>,
+    found: Option<Result<Difference, String>>,
+}
+
+impl Statistics {
+    /// Mean, rms and largest difference that a view shows, in words; `None` for other pictures.
+    pub fn words(
+        &mut self,
+        view: u64,
+        shown: &Shown,
+        document: &Document,
+        results: &Results,
+        jobs: &mut Jobs,
+    ) -> Option<String> {
+        let Shown::Difference(a, b) = shown else {
+            self.of_view.remove(&view);
+            return None;
+        };
+        let (a, b) = (layer(a, document, results).ok()?, layer(b, document, results).ok()?);
+        let terms: Terms = a.terms().iter().chain(b.terms()).map(|(plane, weight)| (plane.key, *weight)).collect();
+        let of_view = self.of_view.entry(view).or_insert_with(|| OfView { terms: Vec::new(), task: None, found: None });
+        if let Some(found) = of_view.task.as_ref().and_then(Task::poll) {
+            of_view.task = None;
+            of_view.found = Some(found);
+        }
+        if of_view.terms != terms && of_view.task.is_none() {
+            of_view.terms = terms;
+            of_view.task = Some(start(a, b, results, jobs));
+        }
+        Some(match &of_view.found {
+            Some(Ok(found)) => format!(
+                "mean {:.3e}, rms {:.3e}, largest {:.3e} at {}, {} ({} pixels)",
+                found.mean, found.rms, found.max, found.max_at.0, found.max_at.1, found.pixels
+            ),
+            Some(Err(line)) => line.clone(),
+            None => "comparing".into(),
+        })
+    }
+}
+
+fn start(a: Layer, b: Layer, results: &Results, jobs: &mut Jobs) -> Task<Difference> {
+    let loaded = results.loaded();
+    jobs.start("Compare pictures", move |_| {
+        let mask = loaded.as_ref().and_then(|loaded| loaded.object.as_ref().ok()).map(|object| &object.mask);
+        let mask = mask.filter(|mask| mask.size() == a.size());
+        difference(&a, &b, mask).map_err(|error| error.to_string())
+    })
+}

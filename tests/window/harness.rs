@@ -1,0 +1,130 @@
+//! A window over folders of its own, and a person's hands.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, Modifiers, Vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use firstbounce::app::dialogs::{Choose, Dialogs};
+use firstbounce::app::preferences::Folders;
+use firstbounce::app::session::{Open, Session};
+use firstbounce::app::window::Window;
+use tempfile::TempDir;
+
+/// Longer than any machine needs for the demo.
+const PATIENCE: Duration = Duration::from_secs(180);
+
+/// Answers in the place of a person.
+#[derive(Default)]
+pub struct Answers(pub Mutex<Vec<PathBuf>>);
+
+impl Dialogs for Answers {
+    fn ask(&self, _: Choose, _: &str, _: &Path) -> Vec<PathBuf> {
+        std::mem::take(&mut *self.0.lock().expect("no test panics while it answers"))
+    }
+}
+
+pub struct Hands {
+    pub harness: Harness<'static, Window>,
+    pub answers: Arc<Answers>,
+    pub folder: TempDir,
+}
+
+impl Hands {
+    /// A window that was never opened before.
+    pub fn new() -> Self {
+        Self::with_folder(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    /// A window that remembers what lies in `folder`.
+    pub fn with_folder(folder: TempDir) -> Self {
+        let answers = Arc::new(Answers::default());
+        let (folders, dialogs) = (Folders::below(&folder.path().join("config")), answers.clone());
+        let mut harness = Harness::builder()
+            .with_size(Vec2::new(1280.0, 800.0))
+            .with_max_steps(200)
+            .with_step_dt(1.0 / 60.0)
+            .build_eframe(|creation| Window::new(creation, folders, dialogs));
+        harness.run_steps(3);
+        Self { harness, answers, folder }
+    }
+
+    /// The same with a copy of the demo set open.
+    pub fn with_demo() -> Self {
+        let mut hands = Self::new();
+        let set = hands.demo();
+        hands.open(Open::Set(set));
+        hands
+    }
+
+    /// A copy of the demo set, for this test alone.
+    pub fn demo(&self) -> PathBuf {
+        let set = self.folder.path().join("set");
+        firstbounce::cli::unpack_demo(&set).expect("the demo is written");
+        set
+    }
+
+    pub fn open(&mut self, open: Open) {
+        self.harness.state_mut().open(open);
+        self.harness.run_steps(3);
+    }
+
+    pub fn session(&mut self) -> &mut Session {
+        self.harness.state_mut().session()
+    }
+
+    pub fn steps(&mut self) {
+        self.harness.run_steps(3);
+    }
+
+    /// Waits until every result is that of the document.
+    pub fn rest(&mut self) {
+        self.wait_until("the results to rest", |session| session.results.is_at_rest(&session.document()));
+    }
+
+    pub fn wait_until(&mut self, what: &str, mut holds: impl FnMut(&mut Session) -> bool) {
+        let since = Instant::now();
+        loop {
+            self.harness.run_steps(2);
+            if holds(self.session()) {
+                self.harness.run_steps(2);
+                return;
+            }
+            assert!(since.elapsed() < PATIENCE, "waited in vain for {what}");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    pub fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.steps();
+    }
+
+    pub fn click_button(&mut self, label: &str) {
+        self.harness.get_by_role_and_label(Role::Button, label).click();
+        self.steps();
+    }
+
+    pub fn sees(&self, text: &str) -> bool {
+        self.harness.query_all_by_label_contains(text).next().is_some()
+    }
+
+    /// Replaces what stands in a field.
+    pub fn retype(&mut self, label: &str, text: &str) {
+        self.harness.get_by_role_and_label(Role::TextInput, label).focus();
+        self.steps();
+        self.press(Modifiers::COMMAND, Key::A);
+        self.harness.get_by_role_and_label(Role::TextInput, label).type_text(text);
+        self.steps();
+    }
+
+    pub fn type_into(&mut self, label: &str, text: &str) {
+        self.harness.get_by_role_and_label(Role::TextInput, label).focus();
+        self.steps();
+        self.harness.get_by_role_and_label(Role::TextInput, label).type_text(text);
+        self.steps();
+    }
+}

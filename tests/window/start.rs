@@ -1,0 +1,97 @@
+//! Where to begin, and what goes on around a set.
+
+use eframe::egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use firstbounce::app::session::Open;
+
+use crate::harness::Hands;
+
+#[test]
+fn the_first_window_says_where_to_begin_and_the_demo_opens() {
+    let mut hands = Hands::new();
+    assert!(hands.sees("Open a set, or a folder of photos"));
+    hands.click_button("Open the demo");
+    assert!(hands.session().is_open());
+    assert_eq!(hands.session().document().set.title(), "Blue corner");
+    assert!(hands.sees("Opened Blue corner"));
+    assert!(hands.session().problems().is_empty());
+}
+
+#[test]
+fn a_set_is_opened_by_its_typed_path_and_offered_again() {
+    let mut hands = Hands::new();
+    let set = hands.demo();
+    hands.type_into(
+        "Open a set, or a folder of photos (you can also drop it on this window)",
+        &set.display().to_string(),
+    );
+    hands.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(hands.session().document().set.folder, set);
+    hands.press(Modifiers::COMMAND, Key::O);
+    assert!(!hands.session().is_open());
+    let recent = set.display().to_string();
+    hands.harness.get_by_label(&recent).click();
+    hands.steps();
+    assert!(hands.session().is_open());
+}
+
+#[test]
+fn a_dialog_answers_off_the_ui_thread() {
+    let mut hands = Hands::new();
+    let set = hands.demo();
+    hands.answers.0.lock().unwrap().push(set.clone());
+    hands.click_button("Browse...");
+    hands.wait_until("the dialog's answer", |session| session.is_open());
+    assert_eq!(hands.session().document().set.folder, set);
+}
+
+#[test]
+fn a_path_that_is_no_set_is_told_and_the_window_stays() {
+    let mut hands = Hands::new();
+    let path = hands.folder.path().join("nowhere/capture.toml");
+    hands.open(Open::Set(path));
+    assert!(!hands.session().is_open());
+    assert!(hands.sees("nowhere"));
+    assert!(hands.sees("Open the demo"));
+}
+
+#[test]
+fn the_palette_finds_a_command_by_a_few_letters() {
+    let mut hands = Hands::with_demo();
+    hands.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::P);
+    hands.type_into("Find a command", "spltrght");
+    hands.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(hands.session().views.all().count(), 2);
+}
+
+#[test]
+fn every_key_of_the_table_is_given_once() {
+    use firstbounce::app::commands::COMMANDS;
+    let keys: Vec<_> = COMMANDS.iter().filter_map(|command| command.shortcut).collect();
+    for (index, shortcut) in keys.iter().enumerate() {
+        assert!(!keys[..index].contains(shortcut), "{shortcut:?} runs two commands");
+    }
+}
+
+#[test]
+fn the_help_sheet_lists_every_command() {
+    let mut hands = Hands::with_demo();
+    hands.press(Modifiers::NONE, Key::F1);
+    for command in firstbounce::app::commands::COMMANDS {
+        assert!(hands.sees(command.title), "{}", command.title);
+    }
+}
+
+#[test]
+fn views_split_and_close_and_their_arrangement_comes_back() {
+    let mut hands = Hands::with_demo();
+    hands.press(Modifiers::COMMAND, Key::Backslash);
+    hands.press(Modifiers::COMMAND, Key::T);
+    assert_eq!(hands.session().views.all().count(), 3);
+    hands.press(Modifiers::COMMAND, Key::W);
+    assert_eq!(hands.session().views.all().count(), 2);
+    let set = hands.session().document().set.folder.clone();
+    hands.press(Modifiers::COMMAND, Key::O);
+    hands.open(Open::Set(set));
+    assert_eq!(hands.session().views.all().count(), 2);
+}
