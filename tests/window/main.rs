@@ -1,6 +1,7 @@
 //! The whole window, by its accessible names. No test here draws, so none needs a graphics adapter; only the screenshots,
 //! which are made on request, do.
 
+mod captures;
 mod disk;
 mod edits;
 mod harness;
@@ -9,4 +10,5 @@ mod keyboard;
 mod results;
 mod screenshots;
 mod separate;
+mod rig;
 mod start;

@@ -59,7 +59,11 @@ fn what_is_measured_well_is_good_and_colours_too_alike_are_not() {
         Some(verdict.clone()),
         "at once, without a second look"
     );
-    assert!(verdict.reason().contains("too alike"), "{verdict:?}");
+    assert!(verdict.reason().contains("times the noise of a photo"), "{verdict:?}");
+    set.calibration.beta = Some(vec![1.0, 0.999]);
+    let alike = calibrated.clone().with_given(&set).judge_beta(&set, 1).unwrap();
+    assert!(alike.reason().contains("too alike to tell bounces apart"), "{alike:?}");
+    set.calibration.beta = Some(vec![1.0, 0.97]);
 }
 
 #[test]

@@ -12,7 +12,7 @@ mod values;
 use std::sync::Arc;
 
 use eframe::egui::{RichText, Ui};
-use firstbounce_capture::pipeline::Calibrated;
+use firstbounce_capture::pipeline::{Calibrated, Source};
 use firstbounce_capture::set::{CaptureSet, SphereKind, Subject, Word};
 
 use super::{Over, Panel};
@@ -32,10 +32,11 @@ pub struct Calibrate {
     in_force: Option<InForce>,
 }
 
-/// The values in force, kept until the document or the calibration changes.
+/// The values in force, kept until what they come from changes.
 struct InForce {
     document: Arc<Document>,
     calibration: Option<Arc<Calibration>>,
+    measured: Option<Arc<Calibration>>,
     values: Arc<Calibrated>,
 }
 
@@ -69,22 +70,38 @@ impl Panel for Calibrate {
 }
 
 impl Calibrate {
-    /// What the file gives, else what was calibrated last: a typed value counts in the frame in which it is typed.
+    /// What the file gives, else what the balls say: a typed value counts in the frame in which it is typed, and no longer
+    /// than until it is taken back.
     fn in_force(&mut self, session: &Session) -> Arc<Calibrated> {
-        let (document, calibration) = (session.document(), session.results.calibration());
+        let document = session.document();
+        let fitting = |results: Option<Arc<Calibration>>| results.filter(|results| counts_by(results, &document.set));
+        let calibration = fitting(session.results.calibration());
+        let measured = fitting(session.results.measured());
         let same = |kept: &&InForce| {
             Arc::ptr_eq(&kept.document, &document)
-                && kept.calibration.as_ref().map(Arc::as_ptr) == calibration.as_ref().map(Arc::as_ptr)
+                && same_arc(&kept.calibration, &calibration)
+                && same_arc(&kept.measured, &measured)
         };
         if let Some(kept) = self.in_force.as_ref().filter(same) {
             return kept.values.clone();
         }
-        let fitting = calibration.as_ref().filter(|calibration| counts_by(calibration, &document.set));
-        let last = fitting.map(|calibration| calibration.calibrated.clone()).unwrap_or_default();
-        let values = Arc::new(last.with_given(&document.set));
-        self.in_force = Some(InForce { document, calibration, values: values.clone() });
+        let base = measured.as_ref().or(calibration.as_ref());
+        let mut values = base.map(|base| base.calibrated.clone()).unwrap_or_default();
+        // Strengths are measured with the directions in force, typed ones too.
+        let strengths = calibration.iter().flat_map(|calibration| &calibration.calibrated.intensity);
+        for (value, in_force) in values.intensity.iter_mut().zip(strengths) {
+            if in_force.source != Source::File {
+                *value = in_force.clone();
+            }
+        }
+        let values = Arc::new(values.with_given(&document.set));
+        self.in_force = Some(InForce { document, calibration, measured, values: values.clone() });
         values
     }
+}
+
+fn same_arc<T>(a: &Option<Arc<T>>, b: &Option<Arc<T>>) -> bool {
+    a.as_ref().map(Arc::as_ptr) == b.as_ref().map(Arc::as_ptr)
 }
 
 /// Whether a calibration is of the lights and colours that the set has now.

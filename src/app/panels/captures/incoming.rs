@@ -126,8 +126,7 @@ impl Incoming {
     }
 
     fn row(&mut self, ui: &mut Ui, set: &CaptureSet, file: &PathBuf, preview: &Preview) {
-        let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let shown = file.strip_prefix(&set.folder).unwrap_or(file).display().to_string();
+        let shown = set.written(file);
         match preview {
             Preview::Mask => {
                 ui.label(format!("{shown}: the object's mask"));
@@ -146,13 +145,13 @@ impl Incoming {
         let mut hand = self.by_hand.get(file).cloned().unwrap_or_else(|| self.next_hand());
         let before = hand.clone();
         ui.horizontal_wrapped(|ui| {
-            subject_box(ui, &format!("Subject of {name}"), &mut hand.subject);
+            subject_box(ui, &format!("Subject of {shown}"), &mut hand.subject);
             if hand.subject != Subject::Dark {
                 let lights = set.lights.iter().map(|light| light.name.as_str()).chain(self.typed(|hand| &hand.light));
-                name_box(ui, &format!("Light of {name}"), &mut hand.light, lights);
+                name_box(ui, &format!("Light of {shown}"), &mut hand.light, lights);
                 let colours =
                     set.colours.iter().map(|colour| colour.name.as_str()).chain(self.typed(|hand| &hand.colour));
-                name_box(ui, &format!("Colour of {name}"), &mut hand.colour, colours);
+                name_box(ui, &format!("Colour of {shown}"), &mut hand.colour, colours);
             }
         });
         if hand != before {

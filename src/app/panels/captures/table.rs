@@ -131,7 +131,7 @@ impl Table {
             button = button.fill(ui.visuals().error_fg_color.gamma_multiply(0.4));
         }
         let response = ui.add(button);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, &title));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, format!("Select {title}")));
         if response.on_hover_text(shot.files.join("\n")).clicked() {
             *selected = Some(name.clone());
             session.views.show(Shown::Photo(name.clone()));

@@ -21,6 +21,9 @@ const DISTRUST_PERCENT: f64 = 6.0;
 /// The same for directions, in degrees of the normal.
 const CARE_DEG: f64 = 1.0;
 const DISTRUST_DEG: f64 = 3.0;
+/// How many times the noise of a photo bounce 1 may have.
+const CARE_GAIN: f64 = 8.0;
+const DISTRUST_GAIN: f64 = 16.0;
 /// Share of a ball's pixels that may be clipped before one should look.
 const CARE_CLIPPED: f64 = 0.05;
 /// Scatter of one pixel's ratio from which the ball is hardly one paint under one lamp.
@@ -80,7 +83,7 @@ impl Calibrated {
     }
 
     /// Of beta of colour `c`: its error moves bounce 1 by as much over 1 - beta, and colours too alike cannot be told
-    /// apart at all.
+    /// apart: of two colours, bounce 1 has sqrt(1 + beta^4) / (beta (1 - beta)) times the noise of a photo.
     pub fn judge_beta(&self, set: &CaptureSet, c: usize) -> Option<Verdict> {
         let betas = self.beta.as_ref()?;
         let known = betas.get(c)?;
@@ -94,6 +97,10 @@ impl Calibrated {
         let error = 100.0 * half_width / distance_from_one((c > 0).then_some(known.value));
         let reason = || format!("its interval alone moves bounce 1 by {error:.1} %");
         let verdict = Verdict::of(error, CARE_PERCENT, DISTRUST_PERCENT, reason);
+        let verdict = match set.colours.len() {
+            2 if c > 0 => verdict.worse(judge_gain(known.value)),
+            _ => verdict,
+        };
         let measured = self.ratios.iter().filter(|ratio| ratio.ball == SphereKind::Material && ratio.colour == c);
         let measured = measured.filter(|_| known.source == Source::MaterialBall);
         Some(measured.fold(verdict, |verdict, evidence| verdict.worse(judge_ball(evidence))))
@@ -126,6 +133,13 @@ impl Calibrated {
     pub fn evidence(&self, ball: SphereKind, l: usize, c: usize) -> Option<&RatioEvidence> {
         self.ratios.iter().find(|ratio| (ratio.ball, ratio.light, ratio.colour) == (ball, l, c))
     }
+}
+
+fn judge_gain(beta: f64) -> Verdict {
+    let gain = (1.0 + beta.powi(4)).sqrt() / (beta * distance_from_one(Some(beta)));
+    Verdict::of(gain, CARE_GAIN, DISTRUST_GAIN, || {
+        format!("bounce 1 has {gain:.0} times the noise of a photo: the paint reflects both colours too much alike")
+    })
 }
 
 fn judge_ball(evidence: &RatioEvidence) -> Verdict {

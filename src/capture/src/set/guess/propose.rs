@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::path::Path;
 
+use super::super::model::Subject;
 use super::pattern::{Guess, Pattern, is_colour_word};
 
 /// Between the parts of a name.
@@ -14,7 +15,7 @@ pub fn propose<P: AsRef<Path>>(files: &[P]) -> Option<Pattern> {
     candidates()
         .filter_map(|text| text.parse::<Pattern>().ok())
         .map(|pattern| (merit(&pattern, files), pattern))
-        .filter(|(merit, _)| merit.explained > 0)
+        .filter(|(merit, _)| merit.explained > 0 && merit.convinces)
         // Of equals the first, which is the simplest.
         .reduce(|best, next| if next.0.beats(&best.0) { next } else { best })
         .map(|(_, pattern)| pattern)
@@ -37,7 +38,7 @@ fn candidates() -> impl Iterator<Item = String> {
 
 /// How well a pattern explains files.
 struct Merit {
-    /// Files whose names follow it.
+    /// Files whose names follow it and tell enough.
     explained: usize,
     /// Of those, how many name a colour by a word for a colour.
     colour_words: usize,
@@ -45,6 +46,8 @@ struct Merit {
     subjects: usize,
     /// Share of the cells of the light x colour tables that have a file.
     filled: f64,
+    /// Whether it is more than a coincidence: any two parts of a name could be a light and a colour.
+    convinces: bool,
     /// Different lights and colours: one word taken for many names is a worse explanation.
     names: usize,
 }
@@ -58,17 +61,27 @@ impl Merit {
 }
 
 fn merit<P: AsRef<Path>>(pattern: &Pattern, files: &[P]) -> Merit {
-    let guesses: Vec<Guess> = files.iter().filter_map(|file| pattern.read(file.as_ref())).collect();
+    let enough = |guess: &Guess| {
+        let subject = guess.subject.unwrap_or_default();
+        let colourless = matches!(subject, Subject::MirrorSphere | Subject::Dark | Subject::FlatField);
+        // A pattern that names no colour at all is one of RGB photos.
+        guess.colour.is_some() || colourless || !pattern.names_colour()
+    };
+    let guesses: Vec<Guess> = files.iter().filter_map(|file| pattern.read(file.as_ref())).filter(enough).collect();
     let named = |name: fn(&Guess) -> &Option<String>| guesses.iter().map(name).collect::<HashSet<_>>().len();
     let (lights, colours) = (named(|guess| &guess.light), named(|guess| &guess.colour));
     let subjects: HashSet<_> = guesses.iter().map(|guess| guess.subject).collect();
     let cells: HashSet<_> = guesses.iter().map(|guess| (guess.subject, &guess.light, &guess.colour)).collect();
     let is_colour = |guess: &&Guess| guess.colour.as_deref().is_some_and(is_colour_word);
+    let colour_words = guesses.iter().filter(is_colour).count();
+    let named_subjects = guesses.iter().filter(|guess| guess.subject.is_some()).count();
+    let full_table = lights > 1 && colours > 1 && cells.len() == subjects.len() * lights * colours;
     Merit {
         explained: guesses.len(),
-        colour_words: guesses.iter().filter(is_colour).count(),
-        subjects: guesses.iter().filter(|guess| guess.subject.is_some()).count(),
+        colour_words,
+        subjects: named_subjects,
         filled: cells.len() as f64 / (subjects.len() * lights * colours).max(1) as f64,
+        convinces: colour_words > 0 || named_subjects > 0 || full_table || !pattern.names_colour(),
         names: lights + colours,
     }
 }

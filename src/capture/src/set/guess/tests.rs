@@ -101,6 +101,8 @@ fn files_that_are_there_already_are_not_added_twice() {
 fn names_without_a_system_have_no_pattern_of_two() {
     let proposed = propose(&["DSC001.NEF.png", "DSC002.NEF.png"]);
     assert!(proposed.is_none_or(|pattern| !pattern.names_subject()));
+    let in_a_folder = propose(&["shoot/DSC001.png", "shoot/DSC002.png"]);
+    assert!(in_a_folder.is_none_or(|pattern| !pattern.names_colour()), "a folder is no colour");
     assert!(propose::<PathBuf>(&[]).is_none());
 }
 

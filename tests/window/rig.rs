@@ -1,0 +1,148 @@
+//! The Calibrate step: a click finds the ball, values are those of the command line, and a typed one wins.
+
+use std::process::Command;
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, Modifiers, Pos2, Rect};
+use egui_kittest::kittest::{NodeT, Queryable};
+use firstbounce::app::canvas::View;
+use firstbounce::app::panels::PanelName;
+use firstbounce_capture::set::{SphereKind, Subject};
+
+use crate::harness::Hands;
+
+/// The demo's balls as they were rendered.
+const TRUE_CENTRE_PX: [f64; 2] = [100.0, 100.0];
+const TRUE_RADIUS_PX: f64 = 83.333;
+
+/// The demo in the Calibrate step with the grey ball in view.
+fn calibrating() -> Hands {
+    let mut hands = Hands::with_demo();
+    hands.rest();
+    hands.session().panel = PanelName::Calibrate;
+    hands.steps();
+    hands.click_button("Show grey ball");
+    hands
+}
+
+/// Clicks into the picture of this name at a position in its pixels.
+fn click_at(hands: &mut Hands, picture: &str, size: (usize, usize), at_px: [f64; 2]) {
+    let bounds = hands.harness.get_by_role_and_label(Role::Image, picture).rect();
+    let rect = Rect::from_min_max(bounds.min, bounds.max);
+    let at: Pos2 = View::Fit.transform(rect, size, 1.0).to_screen(at_px);
+    hands.harness.hover_at(at);
+    hands.steps();
+    hands.harness.drag_at(at);
+    hands.steps();
+    hands.harness.drop_at(at);
+    hands.steps();
+}
+
+/// What stands in a field of numbers.
+fn number(hands: &Hands, label: &str) -> f64 {
+    let node = hands.harness.get_by_role_and_label(Role::SpinButton, label);
+    let node = node.accesskit_node();
+    node.numeric_value().or_else(|| node.value()?.parse().ok()).unwrap_or_else(|| panic!("{label} is no number"))
+}
+
+fn type_number(hands: &mut Hands, label: &str, text: &str) {
+    hands.harness.get_by_role_and_label(Role::SpinButton, label).click();
+    hands.steps();
+    hands.press(Modifiers::COMMAND, Key::A);
+    hands.harness.input_mut().events.push(eframe::egui::Event::Text(text.into()));
+    hands.steps();
+    hands.press(Modifiers::NONE, Key::Enter);
+    hands.steps();
+}
+
+fn grey_circle(hands: &mut Hands) -> Option<firstbounce_capture::set::Circle> {
+    hands.session().document().set.circle(Subject::GreySphere, SphereKind::Grey)
+}
+
+#[test]
+fn a_click_beside_the_grey_ball_finds_its_edge_and_alpha_is_that_of_the_command_line() {
+    let mut hands = calibrating();
+    hands.session().edit("Forget the grey ball", |document| {
+        document.set.spheres.retain(|sphere| sphere.subject != Subject::GreySphere);
+    });
+    hands.rest();
+    click_at(&mut hands, "Grey ball, left, blue", (200, 200), [188.0, 130.0]);
+    hands.wait_until("the ball to be found", |session| {
+        session.document().set.circle(Subject::GreySphere, SphereKind::Grey).is_some()
+    });
+    let circle = grey_circle(&mut hands).unwrap();
+    for (found, truth) in
+        circle.centre.into_iter().chain([circle.radius]).zip(TRUE_CENTRE_PX.into_iter().chain([TRUE_RADIUS_PX]))
+    {
+        assert!((found - truth).abs() < 1.0, "{circle:?}");
+    }
+    hands.rest();
+
+    hands.press(Modifiers::COMMAND, Key::S);
+    let folder = hands.session().document().set.folder.clone();
+    let program = Command::new(env!("CARGO_BIN_EXE_firstbounce")).arg("calibrate").arg("--json").arg(folder).output();
+    let printed: serde_json::Value = serde_json::from_slice(&program.unwrap().stdout).unwrap();
+    for (light, index) in [("left", 0), ("top", 1), ("right", 2)] {
+        let shown = number(&hands, &format!("alpha, {light}, green"));
+        let alpha = printed["alpha"][light][1].as_f64().unwrap();
+        assert!((shown - alpha).abs() < 1e-4, "{light}: {shown} in the window, {alpha} by the command line");
+        let exact = hands.session().results.calibration().unwrap().calibrated.alpha[index].as_ref().unwrap()[1].value;
+        assert!((exact - alpha).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_arrow_keys_nudge_the_circle_and_undo_puts_it_back() {
+    let mut hands = calibrating();
+    let before = grey_circle(&mut hands).unwrap();
+    hands.harness.get_by_role_and_label(Role::Button, "Grey ball, centre").focus();
+    hands.steps();
+    hands.press(Modifiers::NONE, Key::ArrowRight);
+    let after = grey_circle(&mut hands).unwrap();
+    assert!((after.centre[0] - before.centre[0] - 0.5).abs() < 1e-9, "{after:?}");
+    hands.harness.get_by_role_and_label(Role::Button, "Grey ball, rim").focus();
+    hands.steps();
+    hands.press(Modifiers::SHIFT, Key::ArrowLeft);
+    let smaller = grey_circle(&mut hands).unwrap();
+    assert!((before.radius - smaller.radius - 0.05).abs() < 1e-9, "{smaller:?}");
+    hands.session().request(firstbounce::app::commands::CommandId::Undo);
+    hands.steps();
+    hands.session().request(firstbounce::app::commands::CommandId::Undo);
+    hands.steps();
+    assert_eq!(grey_circle(&mut hands), Some(before));
+}
+
+#[test]
+fn a_typed_beta_wins_is_judged_at_once_and_goes_back_to_what_was_measured() {
+    let mut hands = calibrating();
+    let measured = number(&hands, "beta, green");
+    assert!(!hands.sees("do not trust"));
+    type_number(&mut hands, "beta, green", "0.97");
+    assert_eq!(hands.session().document().set.calibration.beta, Some(vec![1.0, 0.97]));
+    assert!(hands.sees("do not trust"), "at once");
+    assert!(hands.sees("times the noise of a photo"));
+    hands.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(hands.session().document().set.calibration.beta, None);
+    assert!(!hands.sees("do not trust"));
+
+    type_number(&mut hands, "beta, green", "0.6");
+    hands.click_button("Back to measured, beta, green");
+    hands.rest();
+    assert!((number(&hands, "beta, green") - measured).abs() < 1e-9);
+}
+
+#[test]
+fn the_rig_of_another_set_is_taken_over_by_the_names_of_its_lights() {
+    let mut hands = calibrating();
+    let other = hands.folder.path().join("other");
+    firstbounce::cli::unpack_demo(&other).unwrap();
+    hands.harness.get_by_label("Use the rig of another set").click_accesskit();
+    hands.steps();
+    hands.type_into("Set whose rig to use", &other.display().to_string());
+    hands.press(Modifiers::NONE, Key::Enter);
+    hands.wait_until("the other rig", |session| session.document().set.calibration.alpha.len() == 3);
+    let calibration = hands.session().document().set.calibration.clone();
+    assert_eq!((calibration.direction.len(), calibration.intensity.len()), (3, 3));
+    assert_eq!(calibration.beta, None, "another paint");
+    assert!(hands.sees("taken over for left, top, right"));
+}
