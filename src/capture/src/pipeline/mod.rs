@@ -7,6 +7,7 @@ mod evaluate;
 mod load;
 mod output;
 mod solve;
+mod truth;
 mod watch;
 
 pub use calibrate::{BallCircle, Calibrated, Known, Preference, Source, calibrate, calibrate_for};
@@ -19,4 +20,5 @@ pub use solve::{
     Direct, Separated, SolveOptions, Solved, Surfaced, camera_of, lamps, quiet_lights, raw_lights, recover,
     separate_lights, solve, triangulate,
 };
+pub use truth::truth_mesh;
 pub use watch::{PipelineWatch, Stage, Unattended};
