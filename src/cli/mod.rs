@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 failed (one line on standard error says why), 2 wrong usage (clap prints how).
 
 mod calibrate;
+mod compare;
 mod demo;
 mod evaluate;
 mod info;
@@ -38,6 +39,8 @@ pub enum Command {
     Calibrate(calibrate::CalibrateArgs),
     /// Compare the results with the truth of a rendered set
     Evaluate(evaluate::EvaluateArgs),
+    /// Measure how far one mesh is from another, or from the truth of a rendered set
+    Compare(compare::CompareArgs),
     /// Say what a capture set holds, and what it lacks
     Info(info::InfoArgs),
     /// Solve the set that comes with the program
@@ -73,6 +76,7 @@ pub fn run(command: Option<Command>) -> anyhow::Result<()> {
         Command::Solve(args) => solve::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Demo(args) => demo::run(&args),
     }

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use firstbounce_capture::pipeline::{PipelineWatch, Stage};
+use firstbounce_core::Watch;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 /// Set by ctrl-c; a run sees it at its next step and leaves no half-written output.
@@ -14,9 +15,9 @@ static CANCELLED: AtomicBool = AtomicBool::new(false);
 /// Steps of a bar.
 const STEPS: u64 = 1000;
 
-/// Shows each stage as a bar where standard error is a terminal.
+/// Shows each stage or job as a bar where standard error is a terminal.
 pub struct Terminal {
-    bars: Option<(MultiProgress, Mutex<HashMap<Stage, ProgressBar>>)>,
+    bars: Option<(MultiProgress, Mutex<HashMap<&'static str, ProgressBar>>)>,
 }
 
 impl Terminal {
@@ -34,21 +35,46 @@ impl Terminal {
             let _ = all.clear();
         }
     }
-}
 
-impl PipelineWatch for Terminal {
-    fn progress(&self, stage: Stage, fraction: f32) {
+    /// Watches a job that is no stage of the pipeline.
+    pub fn job(&self, name: &'static str) -> Job<'_> {
+        Job { terminal: self, name }
+    }
+
+    fn show(&self, name: &'static str, fraction: f32) {
         let Some((all, bars)) = &self.bars else { return };
         let Ok(mut bars) = bars.lock() else { return };
-        let bar = bars.entry(stage).or_insert_with(|| {
+        let bar = bars.entry(name).or_insert_with(|| {
             let style = ProgressStyle::with_template("{prefix:>10} {bar:40} {percent:>3} %");
-            let bar = all.add(ProgressBar::new(STEPS)).with_prefix(stage.name());
+            let bar = all.add(ProgressBar::new(STEPS)).with_prefix(name);
             if let Ok(style) = style { bar.with_style(style) } else { bar }
         });
         bar.set_position((fraction.clamp(0.0, 1.0) * STEPS as f32) as u64);
     }
+}
+
+impl PipelineWatch for Terminal {
+    fn progress(&self, stage: Stage, fraction: f32) {
+        self.show(stage.name(), fraction);
+    }
 
     fn cancelled(&self) -> bool {
         CANCELLED.load(Ordering::Relaxed)
+    }
+}
+
+/// A bar of its own.
+pub struct Job<'a> {
+    terminal: &'a Terminal,
+    name: &'static str,
+}
+
+impl Watch for Job<'_> {
+    fn progress(&self, fraction: f32) {
+        self.terminal.show(self.name, fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.terminal.cancelled()
     }
 }

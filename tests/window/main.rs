@@ -8,7 +8,7 @@ mod harness;
 mod inspector;
 mod keyboard;
 mod results;
+mod rig;
 mod screenshots;
 mod separate;
-mod rig;
 mod start;

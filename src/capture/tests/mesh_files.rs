@@ -4,9 +4,10 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
 
-use firstbounce_capture::mesh_file::{MeshFileError, write_obj, write_ply};
+use firstbounce_capture::mesh_file::{MeshFileError, Quality, write_glb, write_obj, write_ply, write_stl};
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::LengthUnit;
+use firstbounce_core::mesh_topology::MeshFault;
 use nalgebra::{Point3, Vector3};
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Property};
@@ -57,7 +58,7 @@ fn obj_comes_back_through_tobj() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mesh.obj");
     let mesh = wavy(80);
-    write_obj(&path, &mesh).unwrap();
+    write_obj(&path, &mesh, None).unwrap();
     assert!(fs::read_to_string(&path).unwrap().starts_with("# Firstbounce mesh\n# unit: mm\n# axes: x right, y up"));
 
     let (models, _) = tobj::load_obj(&path, &tobj::GPU_LOAD_OPTIONS).unwrap();
@@ -88,7 +89,7 @@ fn an_obj_of_positions_alone_says_that_its_unit_is_pixels() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mesh.obj");
     let mesh = bare(&wavy(3));
-    write_obj(&path, &mesh).unwrap();
+    write_obj(&path, &mesh, None).unwrap();
     assert!(fs::read_to_string(&path).unwrap().contains("# unit: pixels"));
     let (models, _) = tobj::load_obj(&path, &tobj::LoadOptions::default()).unwrap();
     let read = &models[0].mesh;
@@ -105,7 +106,7 @@ fn ply_comes_back_through_another_reader() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mesh.ply");
     for mesh in [wavy(80), bare(&wavy(5))] {
-        write_ply(&path, &mesh).unwrap();
+        write_ply(&path, &mesh, None).unwrap();
         let mut file = BufReader::new(File::open(&path).unwrap());
         let ply = Parser::<DefaultElement>::new().read_ply(&mut file).unwrap();
         let unit = if mesh.unit == LengthUnit::Millimetre { "unit: mm" } else { "unit: pixels" };
@@ -138,6 +139,25 @@ fn ply_comes_back_through_another_reader() {
 }
 
 #[test]
+fn quality_is_a_number_for_each_vertex() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mesh.ply");
+    let mesh = wavy(5);
+    let values: Vec<f32> = (0..25).map(|i| i as f32 * 0.25 - 3.0).collect();
+    write_ply(&path, &mesh, Some(Quality { values: &values, meaning: "distance in mm" })).unwrap();
+    let mut file = BufReader::new(File::open(&path).unwrap());
+    let ply = Parser::<DefaultElement>::new().read_ply(&mut file).unwrap();
+    assert!(ply.header.comments.iter().any(|comment| comment.contains("quality: distance in mm")));
+    let found = ply.payload["vertex"].iter().map(|vertex| match vertex["quality"] {
+        Property::Float(value) => value,
+        ref other => panic!("quality is {other:?}"),
+    });
+    assert!(found.eq(values.iter().copied()));
+    assert_eq!(ply.payload["face"].len(), mesh.triangles.len(), "the faces come after it");
+    assert!(write_ply(&path, &mesh, Some(Quality { values: &values[1..], meaning: "" })).is_err());
+}
+
+#[test]
 fn meshes_that_do_not_hold_together_are_refused_and_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mesh.obj");
@@ -146,11 +166,27 @@ fn meshes_that_do_not_hold_together_are_refused_and_leave_no_file() {
     few.normals.pop();
     let mut beyond = sound.clone();
     beyond.triangles[2][1] = 9;
-    let mut nowhere = sound;
+    let mut nowhere = sound.clone();
     nowhere.positions[4].z = f32::NAN;
-    assert!(matches!(write_obj(&path, &few), Err(MeshFileError::Incomplete { found: 8, vertices: 9, .. })));
-    assert!(matches!(write_ply(&path, &beyond), Err(MeshFileError::NoSuchVertex { triangle: 2, .. })));
-    assert!(matches!(write_obj(&path, &nowhere), Err(MeshFileError::NotFinite { vertex: 4 })));
+    let mut flat = sound.clone();
+    flat.triangles.clear();
+    let cases = [
+        (few, MeshFault::Incomplete { what: "normals", found: 8, vertices: 9 }),
+        (beyond, MeshFault::IndexOutOfRange { triangle: 2, index: 9, vertices: 9 }),
+        (nowhere, MeshFault::NotFinite { what: "positions", count: 1, first: 4 }),
+        (flat, MeshFault::NoTriangle { vertices: 9 }),
+    ];
+    for (mesh, expected) in cases {
+        let refused = [
+            write_obj(&path, &mesh, None),
+            write_ply(&path, &mesh, None),
+            write_stl(&path, &mesh),
+            write_glb(&path, &mesh),
+        ];
+        for error in refused.map(Result::unwrap_err) {
+            assert!(matches!(error, MeshFileError::Fault { fault, .. } if fault == expected), "{error}");
+        }
+    }
     assert!(!path.exists());
 }
 
@@ -158,8 +194,14 @@ fn meshes_that_do_not_hold_together_are_refused_and_leave_no_file() {
 fn a_full_disk_is_told() {
     let full = Path::new("/dev/full");
     if full.exists() {
-        for write in [write_obj, write_ply] {
-            let error = write(full, &wavy(3)).unwrap_err().to_string();
+        let mesh = wavy(3);
+        let errors = [
+            write_obj(full, &mesh, None),
+            write_ply(full, &mesh, None),
+            write_stl(full, &mesh),
+            write_glb(full, &mesh),
+        ];
+        for error in errors.map(|written| written.unwrap_err().to_string()) {
             assert!(error.starts_with("/dev/full: cannot be written: No space left"), "{error}");
         }
     }

@@ -42,8 +42,7 @@ fn motion() -> Isometry3<f64> {
 #[divan::bench(sample_count = 5)]
 fn align_a_million_to_a_million(bencher: divan::Bencher) {
     let fixed = relief(0.0);
-    let mut moving = relief(0.4);
-    moving.positions.iter_mut().for_each(|p| *p = (motion() * p.cast::<f64>()).cast());
+    let moving = relief(0.4).moved(&motion());
     bencher.bench(|| align(&moving, &fixed, &AlignOptions::default(), &Unwatched));
 }
 

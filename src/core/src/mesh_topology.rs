@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::Mesh;
@@ -37,7 +37,7 @@ pub enum MeshFault {
         first: usize,
     },
     /// A triangle names a vertex that is not there.
-    #[error("triangle {triangle} uses vertex {index}, but there are only {vertices} vertices")]
+    #[error("has a triangle ({triangle}) that uses vertex {index}, but only {vertices} vertices")]
     IndexOutOfRange {
         /// Index of the triangle.
         triangle: usize,
@@ -168,6 +168,13 @@ impl Mesh {
         welded.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
         report.collapsed_triangles = self.triangles.len() - welded.triangles.len();
         (welded, report)
+    }
+
+    /// The same surface after a rigid motion, whose translation is in the mesh's unit.
+    pub fn moved(mut self, motion: &Isometry3<f64>) -> Mesh {
+        self.positions.iter_mut().for_each(|p| *p = (motion * p.cast::<f64>()).cast());
+        self.normals.iter_mut().for_each(|n| *n = (motion * n.cast::<f64>()).cast());
+        self
     }
 
     /// The same surface for programs whose z axis points up: (x, y, z) becomes (x, -z, y), a quarter turn about x.

@@ -2,11 +2,11 @@
 //!
 //! Vertex colours go out sRGB-encoded: viewers and modellers show or decode them as such.
 
-pub mod gltf;
+mod gltf;
 mod obj;
 mod ply;
 pub mod read;
-pub mod stl;
+mod stl;
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -14,10 +14,11 @@ use std::path::{Path, PathBuf};
 
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::LengthUnit;
+use firstbounce_core::mesh_topology::MeshFault;
 use rayon::prelude::*;
 
-pub use obj::obj_into;
-pub use ply::ply_into;
+pub use obj::Material;
+pub use ply::Quality;
 
 /// How the axes of a mesh lie, for the header of its file.
 const AXES: &str = "x right, y up, z toward the camera; triangles wind counter-clockwise seen from outside";
@@ -30,29 +31,13 @@ const PIECES: usize = 64;
 /// Why a mesh could not be written. Every message is one line.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshFileError {
-    /// Normals or colours for some vertices only.
-    #[error("{what}: {found} for {vertices} vertices; a mesh has one for each vertex, or none")]
-    Incomplete {
-        /// "normals" or "colours".
-        what: &'static str,
-        /// How many there are.
-        found: usize,
-        /// How many vertices there are.
-        vertices: usize,
-    },
-    /// A triangle names a vertex that is not there.
-    #[error("triangle {triangle} names a vertex beyond the {vertices} that the mesh has")]
-    NoSuchVertex {
-        /// The first such triangle.
-        triangle: usize,
-        /// How many vertices there are.
-        vertices: usize,
-    },
-    /// A vertex lies nowhere.
-    #[error("vertex {vertex} of the mesh has no finite position; leave such pixels out of the mask")]
-    NotFinite {
-        /// The first such vertex.
-        vertex: usize,
+    /// The mesh does not hold together.
+    #[error("{}: not written, for the mesh {fault}", path.display())]
+    Fault {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        fault: MeshFault,
     },
     /// The file could not be written whole.
     #[error("{}: cannot be written: {reason}; check the space on the disk and the permissions", path.display())]
@@ -64,20 +49,36 @@ pub enum MeshFileError {
     },
 }
 
-/// Writes `mesh` as an OBJ file.
+/// Writes `mesh` as an OBJ file, textured where `material` says so.
 ///
 /// # Errors
 /// [`MeshFileError`] for a mesh that does not hold together, or with the system's reason.
-pub fn write_obj(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
-    write_file(path, mesh, |out| obj_into(out, mesh))
+pub fn write_obj(path: &Path, mesh: &Mesh, material: Option<Material>) -> Result<(), MeshFileError> {
+    write_file(path, mesh, |out| obj::obj_into(out, mesh, material))
 }
 
-/// Writes `mesh` as a binary little-endian PLY file.
+/// Writes `mesh` as a binary little-endian PLY file, with a number for each vertex where `quality` gives one.
 ///
 /// # Errors
 /// As [`write_obj`].
-pub fn write_ply(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
-    write_file(path, mesh, |out| ply_into(out, mesh))
+pub fn write_ply(path: &Path, mesh: &Mesh, quality: Option<Quality>) -> Result<(), MeshFileError> {
+    write_file(path, mesh, |out| ply::ply_into(out, mesh, quality))
+}
+
+/// Writes `mesh` as a binary STL file.
+///
+/// # Errors
+/// As [`write_obj`].
+pub fn write_stl(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
+    write_file(path, mesh, |out| stl::stl_into(out, mesh))
+}
+
+/// Writes `mesh` as a binary glTF 2.0 file, in metres.
+///
+/// # Errors
+/// As [`write_obj`]; the format ends at 4 GiB.
+pub fn write_glb(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
+    write_file(path, mesh, |out| gltf::glb_into(out, mesh))
 }
 
 fn write_file(
@@ -85,26 +86,12 @@ fn write_file(
     mesh: &Mesh,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), MeshFileError> {
-    check(mesh)?;
-    let unwritable =
-        |error: io::Error| MeshFileError::Unwritable { path: path.to_path_buf(), reason: error.to_string() };
+    if let Some(fault) = mesh.fault() {
+        return Err(MeshFileError::Fault { path: path.to_owned(), fault });
+    }
+    let unwritable = |error: io::Error| MeshFileError::Unwritable { path: path.to_owned(), reason: error.to_string() };
     let mut out = BufWriter::new(File::create(path).map_err(unwritable)?);
     write(&mut out).and_then(|()| out.flush()).map_err(unwritable)
-}
-
-fn check(mesh: &Mesh) -> Result<(), MeshFileError> {
-    let vertices = mesh.positions.len();
-    for (what, found) in [("normals", mesh.normals.len()), ("colours", mesh.colours.len())] {
-        if found != 0 && found != vertices {
-            return Err(MeshFileError::Incomplete { what, found, vertices });
-        }
-    }
-    let beyond = |triangle: &[u32; 3]| triangle.iter().any(|&index| index as usize >= vertices);
-    if let Some(triangle) = mesh.triangles.par_iter().position_first(beyond) {
-        return Err(MeshFileError::NoSuchVertex { triangle, vertices });
-    }
-    let nowhere = mesh.positions.par_iter().position_first(|p| !p.iter().all(|value| value.is_finite()));
-    nowhere.map_or(Ok(()), |vertex| Err(MeshFileError::NotFinite { vertex }))
 }
 
 fn unit(mesh: &Mesh) -> &'static str {

@@ -133,8 +133,10 @@ pub enum PipelineError {
     #[error("no mesh: {0}")]
     Triangles(#[from] MeshError),
     /// A set without truth.
-    #[error("{}: no true normals to compare with; this set was photographed, not rendered, or its truth is elsewhere: see [truth]", path.display())]
+    #[error("{}: no true {what} to compare with; this set was photographed, not rendered, or its truth is elsewhere: see [truth]", path.display())]
     NoTruth {
+        /// "normals" or "depth".
+        what: &'static str,
         /// Where they were looked for.
         path: PathBuf,
     },

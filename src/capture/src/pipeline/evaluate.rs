@@ -1,18 +1,16 @@
 //! A set's results against its truth.
 
-use std::path::Path;
-
 use firstbounce_core::evaluate::{lit_by_three, relative_error, rmse_without_offset};
 use firstbounce_core::separate::Separation;
-use firstbounce_core::{AngularError, Mask, NormalMap, Plane};
+use firstbounce_core::{AngularError, Mask, Plane};
 use serde::Serialize;
 
+use super::truth::{true_normals, true_plane};
 use super::watch::Part;
 use super::{
     Direct, PipelineError, PipelineWatch, SolveOptions, Stage, calibrate_for, camera_of, load_object, quiet_lights,
     raw_lights, recover, separate_lights,
 };
-use crate::image_file::{Content, ImageFile, ReadOptions, read_image_as};
 use crate::set::CaptureSet;
 
 /// Angles between found and true normals in degrees.
@@ -107,7 +105,7 @@ pub fn evaluate(
     };
 
     let depth_path = set.truth_depth();
-    let depth = if depth_path.is_file() { Some(first_plane(&depth_path, size)?) } else { None };
+    let depth = if depth_path.is_file() { Some(true_plane(&depth_path, size)?) } else { None };
     let rmse = |found: &firstbounce_core::depth::Depth| {
         let both = mask_where(&with_truth, |pixel| found.mask.data()[pixel]);
         depth.as_ref().and_then(|truth| rmse_without_offset(&found.depth_mm, truth, &both))
@@ -153,7 +151,7 @@ fn true_bounces(set: &CaptureSet, k: usize, size: (usize, usize)) -> Result<Opti
     if !paths.iter().all(|path| path.is_file()) {
         return Ok(None);
     }
-    paths.iter().map(|path| first_plane(path, size)).collect::<Result<_, _>>().map(Some)
+    paths.iter().map(|path| true_plane(path, size)).collect::<Result<_, _>>().map(Some)
 }
 
 /// True direct light where the separation solved its pixels.
@@ -165,27 +163,6 @@ fn as_direct(truth: &[Plane], like: &[Separation]) -> Vec<Direct> {
         report: None,
     };
     truth.iter().zip(like).map(direct).collect()
-}
-
-fn true_normals(path: &Path, size: (usize, usize)) -> Result<NormalMap, PipelineError> {
-    if !path.is_file() {
-        return Err(PipelineError::NoTruth { path: path.to_owned() });
-    }
-    let image = read_truth(path, size)?;
-    let planes = image.channels.into_iter().map(|(_, plane)| plane).collect::<Vec<_>>();
-    let map = <[Plane; 3]>::try_from(planes).ok().and_then(|[x, y, z]| NormalMap::from_planes(x, y, z));
-    map.ok_or_else(|| PipelineError::TruthChannels { path: path.to_owned() })
-}
-
-fn first_plane(path: &Path, size: (usize, usize)) -> Result<Plane, PipelineError> {
-    let first = read_truth(path, size)?.channels.into_iter().next();
-    first.map(|(_, plane)| plane).ok_or_else(|| PipelineError::TruthChannels { path: path.to_owned() })
-}
-
-fn read_truth(path: &Path, expected: (usize, usize)) -> Result<ImageFile, PipelineError> {
-    let image = read_image_as(path, &ReadOptions { content: Content::Data, ..ReadOptions::default() })?;
-    let found = image.size();
-    if found == expected { Ok(image) } else { Err(PipelineError::PhotoSize { path: path.to_owned(), found, expected }) }
 }
 
 /// The pixels of `mask` for which `keep` holds.

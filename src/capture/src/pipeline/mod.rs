@@ -9,6 +9,7 @@ mod output;
 mod solve;
 mod survey;
 mod trust;
+mod truth;
 mod watch;
 
 pub use calibrate::{
@@ -25,4 +26,5 @@ pub use solve::{
 };
 pub use survey::{Exposed, region_of, survey, thumbnail};
 pub use trust::{ObjectLevels, judge, rig_of};
+pub use truth::truth_mesh;
 pub use watch::{PipelineWatch, Stage, Unattended};

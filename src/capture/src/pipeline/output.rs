@@ -151,8 +151,8 @@ fn write_surface(
         let path = files.add(format!("{name}{suffix}.exr"), format!("{what}{origin}"))?;
         write_exr(&path, &[ExrLayer { name, channels: vec![("Y", plane)] }])?;
     }
-    write_obj(&files.add(format!("mesh{suffix}.obj"), format!("mesh{origin}"))?, mesh)?;
-    write_ply(&files.add(format!("mesh{suffix}.ply"), format!("mesh{origin}, with albedo as colour"))?, mesh)?;
+    write_obj(&files.add(format!("mesh{suffix}.obj"), format!("mesh{origin}"))?, mesh, None)?;
+    write_ply(&files.add(format!("mesh{suffix}.ply"), format!("mesh{origin}, with albedo as colour"))?, mesh, None)?;
     Ok(())
 }
 

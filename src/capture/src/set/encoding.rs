@@ -1,5 +1,7 @@
 //! The curve between light and what a file stores, both scaled to 0..1.
 
+use firstbounce_core::colour::{linear_from_srgb, srgb_from_linear};
+
 use super::model::Encoding;
 
 impl Encoding {
@@ -8,8 +10,7 @@ impl Encoding {
     pub fn decode(self, stored: f32) -> f32 {
         match self {
             Self::Linear => stored,
-            Self::Srgb if stored <= 0.04045 => stored / 12.92,
-            Self::Srgb => ((stored + 0.055) / 1.055).powf(2.4),
+            Self::Srgb => linear_from_srgb(stored),
             Self::Gamma(gamma) => stored.abs().powf(gamma as f32).copysign(stored),
         }
     }
@@ -18,8 +19,7 @@ impl Encoding {
     pub fn encode(self, light: f32) -> f32 {
         match self {
             Self::Linear => light,
-            Self::Srgb if light <= 0.003_130_8 => light * 12.92,
-            Self::Srgb => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+            Self::Srgb => srgb_from_linear(light),
             Self::Gamma(gamma) => light.abs().powf(1.0 / gamma as f32).copysign(light),
         }
     }

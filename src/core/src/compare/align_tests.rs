@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3, vector};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use super::test_meshes::{bumps, cut, moved, relief, with_noise};
+use super::test_meshes::{bumps, cut, relief, with_noise};
 use super::*;
 use crate::{Unwatched, Watch};
 
@@ -29,7 +29,7 @@ fn left_over(mesh: &Mesh, made: &Isometry3<f64>, found: &Isometry3<f64>) -> (f64
 fn a_copy_moved_by_ten_degrees_and_five_mm_comes_back() {
     let fixed = relief(160, 0.5, bumps);
     let made = ten_and_five();
-    let moving = moved(&fixed, &made);
+    let moving = fixed.clone().moved(&made);
     let found = align(&moving, &fixed, &AlignOptions::default(), &Unwatched).unwrap();
     let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
     println!("moved copy: {mm:.6} mm, {degrees:.6} degrees, {} iterations", found.iterations.len());
@@ -47,7 +47,7 @@ fn a_copy_moved_by_ten_degrees_and_five_mm_comes_back() {
 fn the_same_surface_in_other_triangles_comes_back() {
     let fixed = relief(160, 0.5, bumps);
     let made = ten_and_five();
-    let found = align(&moved(&relief(170, 0.37, bumps), &made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+    let found = align(&relief(170, 0.37, bumps).moved(&made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
     let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
     println!("other triangles: {mm:.6} mm, {degrees:.6} degrees");
     assert!(mm < 0.01 && degrees < 0.01, "{mm} mm, {degrees} degrees");
@@ -58,7 +58,7 @@ fn a_noisy_copy_with_a_third_cut_away_comes_back() {
     let fixed = relief(160, 0.5, bumps);
     let made = ten_and_five();
     // The cut takes away 30 % of the copy; in turn the reference lacks a corner that the copy has.
-    let copy = cut(with_noise(moved(&fixed, &made), 0.05, 7), |p| p.x < 16.0);
+    let copy = cut(with_noise(fixed.clone().moved(&made), 0.05, 7), |p| p.x < 16.0);
     let reference = cut(with_noise(fixed.clone(), 0.05, 8), |p| p.x + p.y > -50.0);
     let found = align(&copy, &reference, &AlignOptions::default(), &Unwatched).unwrap();
     let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
@@ -77,7 +77,7 @@ proptest! {
         let shift_mm: [f64; 3] = (Vector3::from(shift).normalize() * 5.0).into();
         let fixed = relief(100, 0.8, bumps);
         let made = motion(axis, 10.0, shift_mm);
-        let found = align(&moved(&fixed, &made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+        let found = align(&fixed.clone().moved(&made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
         let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
         prop_assert!(!found.searched && mm < 0.01 && degrees < 0.01, "{} mm, {} degrees", mm, degrees);
     }
@@ -87,7 +87,7 @@ proptest! {
 fn a_large_turn_is_found_by_search_and_by_picked_pairs() {
     let fixed = relief(120, 0.7, bumps);
     let made = motion([0.2, 0.3, 1.0], 45.0, [30.0, -80.0, 400.0]);
-    let moving = moved(&fixed, &made);
+    let moving = fixed.clone().moved(&made);
     let found = align(&moving, &fixed, &AlignOptions::default(), &Unwatched).unwrap();
     let (mm, _) = left_over(&fixed, &made, &found.moving_to_fixed);
     assert!(found.searched && mm < 0.01, "{mm} mm");
@@ -106,9 +106,9 @@ fn a_large_turn_is_found_by_search_and_by_picked_pairs() {
 #[test]
 fn coordinates_of_a_kilometre_cost_no_more_than_their_f32_step() {
     let far = Isometry3::translation(1e6, -1e6, 1e6);
-    let fixed = moved(&relief(100, 0.8, bumps), &far);
+    let fixed = relief(100, 0.8, bumps).moved(&far);
     let made = far * ten_and_five() * far.inverse();
-    let found = align(&moved(&fixed, &made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+    let found = align(&fixed.clone().moved(&made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
     let (mm, degrees) = left_over(&fixed, &made, &found.moving_to_fixed);
     assert!(mm < 0.0625 && degrees < 0.02, "{mm} mm, {degrees} degrees: an f32 step at 1e6 is 0.0625");
 }
@@ -116,7 +116,7 @@ fn coordinates_of_a_kilometre_cost_no_more_than_their_f32_step() {
 #[test]
 fn scans_of_two_sides_do_not_overlap() {
     let front = relief(80, 0.5, bumps);
-    let elsewhere = moved(&relief(80, 0.5, |x, y| bumps(y + 300.0, 70.0 - x)), &Isometry3::translation(0.0, 90.0, 0.0));
+    let elsewhere = relief(80, 0.5, |x, y| bumps(y + 300.0, 70.0 - x)).moved(&Isometry3::translation(0.0, 90.0, 0.0));
     for search in [false, true] {
         let options = AlignOptions { search, ..AlignOptions::default() };
         match align(&elsewhere, &front, &options, &Unwatched) {
@@ -130,7 +130,7 @@ fn scans_of_two_sides_do_not_overlap() {
 fn a_plane_slides_and_a_sphere_turns() {
     let identity_only = AlignOptions { search: false, ..AlignOptions::default() };
     let plane = relief(60, 1.0, |_, _| 0.0);
-    let tilted = moved(&plane, &motion([1.0, 0.0, 0.0], 2.0, [0.0, 0.0, 1.0]));
+    let tilted = plane.clone().moved(&motion([1.0, 0.0, 0.0], 2.0, [0.0, 0.0, 1.0]));
     let found = align(&tilted, &plane, &identity_only, &Unwatched).unwrap();
     assert_eq!(found.free.len(), 3, "two slides and a turn about the normal: {:?}", found.free);
     assert!(found.condition > 1e3);

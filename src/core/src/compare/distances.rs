@@ -120,7 +120,7 @@ fn summary(met: &[Option<(f64, f64)>], a_to_b: &Isometry3<f64>, limit_mm: f64) -
 mod tests {
     use super::*;
     use crate::Unwatched;
-    use crate::compare::test_meshes::{moved, relief};
+    use crate::compare::test_meshes::relief;
 
     fn measure(a: &Mesh, b: &Mesh, limit_mm: Option<f64>) -> Comparison {
         distances(a, b, &Isometry3::identity(), &DistanceOptions { limit_mm }, &Unwatched).unwrap()
@@ -152,7 +152,7 @@ mod tests {
     fn what_the_reference_lacks_does_not_count() {
         let plane = relief(40, 1.0, |_, _| 0.0);
         // Half of the copy hangs over the edge; what lies over the plane is 3 mm above it.
-        let copy = moved(&plane, &Isometry3::translation(20.5, 0.0, 3.0));
+        let copy = plane.clone().moved(&Isometry3::translation(20.5, 0.0, 3.0));
         let found = measure(&copy, &plane, None);
         assert!((found.overlap - 20.0 / 41.0).abs() < 1e-9 && (found.max_mm - 3.0).abs() < 1e-5);
         assert_eq!(found.signed_mm.iter().filter(|signed| signed.is_none()).count(), 21 * 41);

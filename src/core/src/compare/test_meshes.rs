@@ -1,6 +1,6 @@
 //! Surfaces with a known shape, for tests.
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Point3;
 
 use crate::Mesh;
 use crate::mesh::LengthUnit;
@@ -28,14 +28,6 @@ pub fn relief(cells: u32, pitch_mm: f64, height_mm: impl Fn(f64, f64) -> f64) ->
 /// Bumps of several widths that do not repeat within 100 mm.
 pub fn bumps(x: f64, y: f64) -> f64 {
     4.0 * (x / 9.0 + 0.3).sin() * (y / 11.0).cos() + 2.0 * (x / 4.1 - y / 5.3).sin() + 0.002 * (x * x + 0.7 * y * x)
-}
-
-/// The mesh after a rigid motion.
-pub fn moved(mesh: &Mesh, motion: &Isometry3<f64>) -> Mesh {
-    let mut mesh = mesh.clone();
-    mesh.positions.iter_mut().for_each(|p| *p = (motion * p.cast::<f64>()).cast());
-    mesh.normals.iter_mut().for_each(|n| *n = (motion * n.cast::<f64>()).cast());
-    mesh
 }
 
 /// A fixed sequence of numbers between -1 and 1 (Steele and Vigna's splitmix64).

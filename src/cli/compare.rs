@@ -1,0 +1,252 @@
+//! `firstbounce compare A B`
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use firstbounce_capture::mesh_file::read::{LengthScale, read_mesh};
+use firstbounce_capture::mesh_file::{Quality, write_ply};
+use firstbounce_capture::pipeline::truth_mesh;
+use firstbounce_capture::{CaptureSet, OutputFolder};
+use firstbounce_core::Mesh;
+use firstbounce_core::compare::{
+    AlignOptions, Alignment, Comparison, DistanceOptions, align, colour_by_distance, distances,
+};
+use nalgebra::Isometry3;
+use serde::Serialize;
+
+use super::progress::Terminal;
+use super::table::{row, table};
+use super::{PrintArgs, print, print_json, print_warnings};
+
+#[derive(Args, Debug)]
+pub struct CompareArgs {
+    /// The mesh that is measured: OBJ, PLY or STL, or a capture set with true depth
+    #[arg(value_name = "A")]
+    a: PathBuf,
+    /// The reference: a mesh, or a capture set with true depth
+    #[arg(value_name = "B")]
+    b: PathBuf,
+    /// Lay A onto B first: iterative closest point, without any change of scale
+    #[arg(long)]
+    align: bool,
+    /// What one unit of the files is; sets know it themselves
+    #[arg(long, value_enum, default_value_t = Unit::Mm)]
+    unit: Unit,
+    /// The same for B alone [default: that of --unit]
+    #[arg(long, value_enum)]
+    unit_b: Option<Unit>,
+    /// Farther than this from B, a point of A has no counterpart there [default: a tenth of B's diagonal]
+    #[arg(long, value_name = "MM")]
+    limit: Option<f64>,
+    /// Write A, where it was laid, as PLY: red outside B, blue inside, and the signed distance in mm as quality
+    #[arg(long, value_name = "OUT.PLY", value_parser = ply_path)]
+    heat_map: Option<PathBuf>,
+    #[command(flatten)]
+    print: PrintArgs,
+}
+
+/// The units of the command line.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Unit {
+    Mm,
+    Cm,
+    M,
+    Inch,
+}
+
+impl From<Unit> for LengthScale {
+    fn from(unit: Unit) -> Self {
+        match unit {
+            Unit::Mm => Self::Millimetre,
+            Unit::Cm => Self::Centimetre,
+            Unit::M => Self::Metre,
+            Unit::Inch => Self::Inch,
+        }
+    }
+}
+
+fn ply_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_ply = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply"));
+    if is_ply { Ok(path) } else { Err("a heat map is a PLY file: name it .ply".into()) }
+}
+
+/// The numbers of a comparison: A onto B.
+#[derive(Debug, Serialize)]
+struct CompareWords {
+    mean_mm: f64,
+    bias_mm: f64,
+    rms_mm: f64,
+    p95_mm: f64,
+    max_mm: f64,
+    overlap: f64,
+    orientation_error_deg: f64,
+    rotation_deg: f64,
+    translation_mm: [f64; 3],
+    /// Row by row, for column vectors.
+    matrix: [[f64; 4]; 4],
+    alignment: Option<AlignmentWords>,
+    warnings: Vec<String>,
+}
+
+/// How A was laid onto B.
+#[derive(Debug, Serialize)]
+struct AlignmentWords {
+    rms_mm: f64,
+    overlap: f64,
+    reach_mm: f64,
+    converged: bool,
+    searched: bool,
+    condition: f64,
+    free_motions: Vec<String>,
+    iterations: Vec<IterationWords>,
+}
+
+#[derive(Debug, Serialize)]
+struct IterationWords {
+    level: usize,
+    samples: usize,
+    pairs: usize,
+    rms_mm: f64,
+    overlap: f64,
+}
+
+/// Runs the command.
+pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
+    let (a, mut warnings) = load(&args.a, args.unit)?;
+    let (b, warnings_b) = load(&args.b, args.unit_b.unwrap_or(args.unit))?;
+    warnings.extend(warnings_b);
+    let measured = measure(args, &a, &b, &terminal);
+    terminal.finish();
+    let (alignment, comparison) = measured?;
+    if let Some(path) = &args.heat_map {
+        write_heat_map(path, &a, alignment.as_ref(), &comparison)?;
+    }
+    warnings.extend(alignment.iter().flat_map(alignment_warnings));
+    print_warnings(&warnings);
+    let words = CompareWords::of(&comparison, alignment.as_ref(), warnings);
+    if args.print.json { print_json(&words) } else { print(&text(args, &words)) }
+}
+
+/// A mesh in mm, and what a person should know of it.
+fn load(path: &Path, unit: Unit) -> anyhow::Result<(Mesh, Vec<String>)> {
+    if path.is_dir() || path.extension().is_some_and(|extension| extension == "toml") {
+        return Ok((truth_mesh(&CaptureSet::open(path)?)?, vec![]));
+    }
+    let file = read_mesh(path, unit.into())?;
+    let warnings = file.warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
+    Ok((file.mesh, warnings))
+}
+
+fn measure(
+    args: &CompareArgs,
+    a: &Mesh,
+    b: &Mesh,
+    terminal: &Terminal,
+) -> anyhow::Result<(Option<Alignment>, Comparison)> {
+    let alignment = match args.align {
+        true => Some(align(a, b, &AlignOptions::default(), &terminal.job("align"))?),
+        false => None,
+    };
+    let options = DistanceOptions { limit_mm: args.limit };
+    let comparison = distances(a, b, &pose(alignment.as_ref()), &options, &terminal.job("measure"))?;
+    Ok((alignment, comparison))
+}
+
+/// Where A lies: as it came, unless it was laid onto B.
+fn pose(alignment: Option<&Alignment>) -> Isometry3<f64> {
+    alignment.map_or_else(Isometry3::identity, |alignment| alignment.moving_to_fixed)
+}
+
+fn alignment_warnings(alignment: &Alignment) -> Vec<String> {
+    let mut warnings: Vec<_> = alignment.free.iter().map(|free| format!("the {free}: do not trust it there")).collect();
+    if !alignment.converged {
+        warnings.push("the alignment did not come to rest; look at the rms of its iterations".into());
+    }
+    if alignment.searched {
+        warnings.push("the meshes lay so far apart that other starts were tried: look at the result".into());
+    }
+    warnings
+}
+
+/// Writes A where it was laid, coloured up to the distance that 95 % stay below.
+fn write_heat_map(path: &Path, a: &Mesh, alignment: Option<&Alignment>, comparison: &Comparison) -> anyhow::Result<()> {
+    let range_mm = comparison.p95_mm as f32;
+    let mut mesh = a.clone().moved(&pose(alignment));
+    mesh.colours = colour_by_distance(&comparison.signed_mm, range_mm);
+    let values: Vec<_> = comparison.signed_mm.iter().map(|signed| signed.unwrap_or(f32::NAN)).collect();
+    let meaning = format!(
+        "signed distance to the reference in mm, positive outside, NaN without a counterpart; \
+         red is +{range_mm} mm and more, white 0, blue -{range_mm} mm and less"
+    );
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let output = OutputFolder::stage(folder)?;
+    let staged = output.file(path.file_name().unwrap_or_default())?;
+    write_ply(&staged, &mesh, Some(Quality { values: &values, meaning: &meaning }))?;
+    Ok(output.commit()?)
+}
+
+impl CompareWords {
+    fn of(comparison: &Comparison, alignment: Option<&Alignment>, warnings: Vec<String>) -> Self {
+        let matrix = &comparison.matrix;
+        Self {
+            mean_mm: comparison.mean_mm,
+            bias_mm: comparison.bias_mm,
+            rms_mm: comparison.rms_mm,
+            p95_mm: comparison.p95_mm,
+            max_mm: comparison.max_mm,
+            overlap: comparison.overlap,
+            orientation_error_deg: comparison.orientation_error_deg,
+            rotation_deg: comparison.rotation_deg,
+            translation_mm: comparison.translation_mm.into(),
+            matrix: std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)])),
+            alignment: alignment.map(AlignmentWords::of),
+            warnings,
+        }
+    }
+}
+
+impl AlignmentWords {
+    fn of(alignment: &Alignment) -> Self {
+        let iterations = alignment.iterations.iter().map(|step| IterationWords {
+            level: step.level,
+            samples: step.samples,
+            pairs: step.pairs,
+            rms_mm: step.rms_mm,
+            overlap: step.overlap,
+        });
+        Self {
+            rms_mm: alignment.rms_mm,
+            overlap: alignment.overlap,
+            reach_mm: alignment.reach_mm,
+            converged: alignment.converged,
+            searched: alignment.searched,
+            condition: alignment.condition,
+            free_motions: alignment.free.iter().map(ToString::to_string).collect(),
+            iterations: iterations.collect(),
+        }
+    }
+}
+
+fn text(args: &CompareArgs, words: &CompareWords) -> String {
+    let mm = |name: &str, value: f64| row([name, &format!("{value:.4} mm")]);
+    let [x, y, z] = words.translation_mm;
+    let mut rows = vec![
+        row([&args.a.display().to_string(), &format!("onto {}", args.b.display())]),
+        mm("mean distance", words.mean_mm),
+        mm("mean signed distance", words.bias_mm),
+        mm("rms distance", words.rms_mm),
+        mm("95 % are closer than", words.p95_mm),
+        mm("largest distance", words.max_mm),
+        row(["overlap", &format!("{:.1} %", 100.0 * words.overlap)]),
+        row(["mean orientation error", &format!("{:.2} degrees", words.orientation_error_deg)]),
+        row(["rotation", &format!("{:.3} degrees", words.rotation_deg)]),
+        row(["translation", &format!("{x:.4}, {y:.4}, {z:.4} mm")]),
+    ];
+    if let Some(alignment) = &words.alignment {
+        let rms: Vec<_> = alignment.iterations.iter().map(|step| format!("{:.3}", step.rms_mm)).collect();
+        rows.push(row(["rms of each iteration", &format!("{} mm", rms.join(" "))]));
+    }
+    table(&rows)
+}

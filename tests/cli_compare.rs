@@ -1,0 +1,236 @@
+//! `firstbounce compare` on meshes whose true place is known, and on files that are none.
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use firstbounce_capture::mesh_file::{write_obj, write_ply, write_stl};
+use firstbounce_core::Mesh;
+use firstbounce_core::mesh::LengthUnit;
+use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
+use serde_json::Value;
+
+const CELLS: u32 = 120;
+const PITCH_MM: f64 = 0.6;
+
+/// Bumps of several widths over 72 mm, as a height field that faces +z.
+fn relief() -> Mesh {
+    let side = CELLS + 1;
+    let positions = (0..side * side).map(|index| {
+        let [x, y] = [index % side, index / side].map(|k| (f64::from(k) - f64::from(CELLS) / 2.0) * PITCH_MM);
+        let z = 4.0 * (x / 9.0 + 0.3).sin() * (y / 11.0).cos() + 2.0 * (x / 4.1 - y / 5.3).sin() + 0.002 * x * (x + y);
+        Point3::new(x, y, z).cast()
+    });
+    let triangles = (0..CELLS * CELLS).flat_map(|cell| {
+        let corner = cell / CELLS * side + cell % CELLS;
+        [[corner, corner + 1, corner + side + 1], [corner, corner + side + 1, corner + side]]
+    });
+    Mesh {
+        positions: positions.collect(),
+        normals: vec![],
+        colours: vec![],
+        triangles: triangles.collect(),
+        unit: LengthUnit::Millimetre,
+    }
+}
+
+/// Ten degrees and five millimetres.
+fn ten_and_five() -> Isometry3<f64> {
+    Isometry3::new(Vector3::new(3.0, -2.6, 3.04), Vector3::new(1.0, 2.0, -0.7).normalize() * 10f64.to_radians())
+}
+
+/// Every vertex moved along z by normal noise: Box and Muller's transform of a fixed sequence.
+fn with_noise(mut mesh: Mesh, sigma_mm: f64) -> Mesh {
+    let mut state = 7_u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+    };
+    for p in &mut mesh.positions {
+        p.z += (sigma_mm * (-2.0 * uniform().ln()).sqrt() * (TAU * uniform()).cos()) as f32;
+    }
+    mesh
+}
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn ply(&self, name: &str, mesh: &Mesh) -> PathBuf {
+        write_ply(&self.path(name), mesh, None).unwrap();
+        self.path(name)
+    }
+}
+
+fn compare(a: &Path, b: &Path, options: &[&str]) -> Output {
+    let program = env!("CARGO_BIN_EXE_firstbounce");
+    Command::new(program).arg("compare").args([a, b]).args(options).output().unwrap()
+}
+
+fn numbers(a: &Path, b: &Path, options: &[&str]) -> Value {
+    let output = compare(a, b, &[options, &["--json"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn matrix(numbers: &Value) -> Matrix4<f64> {
+    Matrix4::from_fn(|row, column| numbers["matrix"][row][column].as_f64().unwrap())
+}
+
+/// The largest displacement of a vertex in mm, and the turn in degrees, that `found` leaves after `made`.
+fn left_over(mesh: &Mesh, made: &Isometry3<f64>, found: &Matrix4<f64>) -> (f64, f64) {
+    let rest = found * made.to_homogeneous();
+    let displacement = |p: &Point3<f32>| (rest.transform_point(&p.cast()) - p.cast::<f64>()).norm();
+    let turn = rest.fixed_view::<3, 3>(0, 0).into_owned();
+    let largest = mesh.positions.iter().map(displacement).fold(0.0, f64::max);
+    (largest, nalgebra::Rotation3::from_matrix_unchecked(turn).angle().to_degrees())
+}
+
+/// One line on standard error with all of `parts`, nothing on standard output, exit code 1.
+fn refused(output: &Output, parts: &[&str]) {
+    let line = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{line}");
+    assert_eq!(line.trim_end().lines().count(), 1, "{line}");
+    assert!(parts.iter().all(|part| line.contains(part)), "{line}");
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
+fn a_moved_copy_comes_back() {
+    let (folder, fixed, made) = (Folder::new(), relief(), ten_and_five());
+    let (a, b) = (folder.ply("a.ply", &fixed.clone().moved(&made)), folder.ply("b.ply", &fixed));
+    let found = numbers(&a, &b, &["--align"]);
+    let (mm, degrees) = left_over(&fixed, &made, &matrix(&found));
+    assert!(mm < 0.01 && degrees < 0.01, "{mm} mm, {degrees} degrees");
+    assert!(found["max_mm"].as_f64().unwrap() < 0.01 && found["overlap"].as_f64().unwrap() > 0.99);
+    assert!((found["rotation_deg"].as_f64().unwrap() - 10.0).abs() < 0.01);
+    let shift = Vector3::from_fn(|axis, _| found["translation_mm"][axis].as_f64().unwrap());
+    assert!((shift - made.inverse().translation.vector).norm() < 0.01);
+    let iterations = found["alignment"]["iterations"].as_array().unwrap();
+    assert!(iterations.last().unwrap()["rms_mm"].as_f64() < iterations[0]["rms_mm"].as_f64());
+}
+
+#[test]
+fn a_cut_and_noisy_copy_comes_back() {
+    let (folder, fixed, made) = (Folder::new(), relief(), ten_and_five());
+    let mut copy = with_noise(fixed.clone(), 0.05);
+    // 30 % of the width.
+    copy.triangles.retain(|corners| corners.iter().all(|&corner| fixed.positions[corner as usize].x < 14.4));
+    let (a, b) = (folder.ply("a.ply", &copy.moved(&made)), folder.ply("b.ply", &fixed));
+    let (mm, degrees) = left_over(&fixed, &made, &matrix(&numbers(&a, &b, &["--align"])));
+    assert!(mm < 0.05, "{mm} mm, {degrees} degrees");
+}
+
+#[test]
+fn without_align_nothing_moves_and_the_shift_is_the_distance() {
+    let folder = Folder::new();
+    let flat = |z: f32| {
+        let mut mesh = relief();
+        mesh.positions.iter_mut().for_each(|p| p.z = z);
+        mesh
+    };
+    let (a, b) = (folder.ply("a.ply", &flat(0.25)), folder.ply("b.ply", &flat(0.0)));
+    let found = numbers(&a, &b, &[]);
+    assert!((found["mean_mm"].as_f64().unwrap() - 0.25).abs() < 1e-5);
+    assert!((found["max_mm"].as_f64().unwrap() - 0.25).abs() < 1e-5);
+    assert_eq!(matrix(&found), Matrix4::identity());
+    assert!(found["alignment"].is_null());
+}
+
+#[test]
+fn units_of_both_files_can_differ() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let mut inches = fixed.clone();
+    inches.positions.iter_mut().for_each(|p| *p /= 25.4);
+    write_stl(&folder.path("a.stl"), &inches).unwrap();
+    write_obj(&folder.path("b.obj"), &fixed, None).unwrap();
+    let found = numbers(&folder.path("a.stl"), &folder.path("b.obj"), &["--unit", "inch", "--unit-b", "mm"]);
+    assert!(found["max_mm"].as_f64().unwrap() < 1e-4);
+}
+
+#[test]
+fn the_heat_map_lies_on_the_reference_and_holds_the_distances() {
+    let (folder, fixed, made) = (Folder::new(), relief(), ten_and_five());
+    let (a, b) = (folder.ply("a.ply", &fixed.clone().moved(&made)), folder.ply("b.ply", &fixed));
+    let map = folder.path("new/map.ply");
+    let found = numbers(&a, &b, &["--align", "--heat-map", map.to_str().unwrap()]);
+    let header = String::from_utf8_lossy(&fs::read(&map).unwrap()).into_owned();
+    assert!(header.contains("property uchar red") && header.contains("property float quality"));
+    let again = numbers(&map, &b, &[]);
+    for key in ["mean_mm", "rms_mm", "max_mm"] {
+        assert!((again[key].as_f64().unwrap() - found[key].as_f64().unwrap()).abs() < 1e-4, "{key}");
+    }
+}
+
+#[test]
+fn the_text_has_a_line_for_each_number() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let b = folder.ply("b.ply", &fixed);
+    let output = compare(&b, &b, &["--align"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    for line in ["mean distance", "rms distance", "95 %", "largest", "overlap", "orientation", "rms of each iteration"]
+    {
+        assert!(text.contains(line), "{text}");
+    }
+}
+
+#[test]
+fn strangers_and_broken_files_are_refused_and_the_output_stands() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let b = folder.ply("b.ply", &fixed);
+    let map = folder.path("map.ply");
+    fs::write(&map, "mine").unwrap();
+    let refused = |a: &Path, options: &[&str], parts: &[&str]| {
+        let options = [options, &["--heat-map", map.to_str().unwrap()]].concat();
+        refused(&compare(a, &b, &options), parts);
+        assert_eq!(fs::read_to_string(&map).unwrap(), "mine");
+    };
+
+    let elsewhere = fixed.clone().moved(&Isometry3::translation(0.0, 900.0, 0.0));
+    refused(&folder.ply("far.ply", &elsewhere), &[], &["align the two first"]);
+    let mut stranger = fixed.clone();
+    stranger.positions.iter_mut().for_each(|p| p.z = 0.6 * p.x.abs() + 0.05 * p.y * (p.x * 0.3).sin());
+    refused(
+        &folder.ply("stranger.ply", &stranger.moved(&Isometry3::translation(0.0, 70.0, 0.0))),
+        &["--align"],
+        &["overlap by", "%"],
+    );
+
+    fs::write(folder.path("empty.obj"), "").unwrap();
+    refused(&folder.path("empty.obj"), &[], &["empty.obj", "is empty"]);
+    fs::write(folder.path("nan.obj"), "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n").unwrap();
+    refused(&folder.path("nan.obj"), &[], &["nan.obj", "not finite"]);
+    let bytes = fs::read(&b).unwrap();
+    fs::write(folder.path("cut.ply"), &bytes[..bytes.len() / 2]).unwrap();
+    refused(&folder.path("cut.ply"), &[], &["cut.ply"]);
+    fs::write(folder.path("photo.ply"), b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap();
+    refused(&folder.path("photo.ply"), &[], &["photo.ply", "PNG"]);
+    refused(&folder.path("missing.ply"), &[], &["missing.ply"]);
+    refused(folder.0.path(), &[], &["capture.toml"]);
+}
+
+#[test]
+fn a_wrong_name_is_told_and_read_all_the_same() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let b = folder.ply("b.ply", &fixed);
+    fs::copy(&b, folder.path("a.obj")).unwrap();
+    let found = numbers(&folder.path("a.obj"), &b, &[]);
+    assert!(found["warnings"][0].as_str().unwrap().contains("named .obj, but it is PLY"));
+}
+
+#[test]
+fn what_is_no_comparison_is_wrong_usage() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let b = folder.ply("b.ply", &fixed);
+    for options in [["--heat-map", "map.obj"], ["--unit", "furlong"]] {
+        assert_eq!(compare(&b, &b, &options).status.code(), Some(2));
+    }
+}
