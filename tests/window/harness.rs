@@ -107,6 +107,16 @@ impl Hands {
         }
     }
 
+    /// Waits until a text is there; panics if it never comes.
+    pub fn wait_to_see(&mut self, text: &str) {
+        let since = Instant::now();
+        while !self.sees(text) {
+            assert!(since.elapsed() < PATIENCE, "waited in vain for \"{text}\"");
+            self.harness.run_steps(2);
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
     pub fn press(&mut self, modifiers: Modifiers, key: Key) {
         self.harness.key_press_modifiers(modifiers, key);
         self.steps();

@@ -50,12 +50,10 @@ fn a_typed_rectangle_is_measured_and_cleared() {
     for (field, px) in [("Left", "200"), ("Top", "180"), ("Right", "240"), ("Bottom", "210")] {
         hands.type_number(field, px);
     }
-    measured(&mut hands);
-    assert!(hands.sees("40.00 x 30.00 px"));
-    assert!(hands.sees("1200"));
+    hands.wait_to_see("40.00 x 30.00 px");
+    hands.wait_to_see("1200");
     hands.click_button("Clear region");
-    measured(&mut hands);
-    assert!(hands.sees("whole object"));
+    hands.wait_to_see("whole object");
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn what_is_measured_well_is_good_and_colours_too_alike_are_not() {
     let verdict = typed.judge_beta(&set, 1).unwrap();
     assert_eq!(verdict.words(), "do not trust");
     assert_eq!(
-        calibrated.with_given(&set).judge_beta(&set, 1),
+        calibrated.clone().with_given(&set).judge_beta(&set, 1),
         Some(verdict.clone()),
         "at once, without a second look"
     );
