@@ -3,6 +3,7 @@
 use std::panic::{self, PanicHookInfo};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{anyhow, bail};
 use eframe::egui::ViewportBuilder;
@@ -42,12 +43,15 @@ pub fn run(start: Start) -> anyhow::Result<()> {
         super::document::Editor::open(path)?;
     }
     guard_document();
+    let device_lost = Arc::new(AtomicBool::new(false));
+    let told = device_lost.clone();
     let attempt = panic::catch_unwind(|| {
         eframe::run_native(
             "Firstbounce",
             options(),
             Box::new(|creation| {
                 let mut window = Window::new(creation, Folders::of_system(), Arc::new(SystemDialogs));
+                window.watch_device(creation, told);
                 match start {
                     Start::Set(path) => window.open(Open::Set(path)),
                     Start::Nothing => window.restore(),
@@ -57,6 +61,9 @@ pub fn run(start: Start) -> anyhow::Result<()> {
         )
     });
     match attempt {
+        _ if device_lost.load(Ordering::Relaxed) => {
+            bail!("the graphics driver stopped; start again: an unsaved set is offered there; {ELSEWHERE}")
+        }
         Ok(result) => result.map_err(|error| explain(&error.to_string())),
         Err(payload) => Err(explain(&panic_words(payload.as_ref()))),
     }

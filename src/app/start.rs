@@ -9,6 +9,13 @@ use super::document::Recovered;
 use super::path_field::PathField;
 use super::session::{Open, Session};
 
+const NEEDED: [&str; 4] = [
+    "photos of the object under at least three lamps, each in two colours or more, raw or 16 bits and without clipping",
+    "photos of a matte grey ball under the same lamps and colours: how strong each lamp is in each colour",
+    "photos of a ball of the object's own paint, in the same way: how much of each colour the paint sends on",
+    "photos of a mirror ball under each lamp: where the lamps are",
+];
+
 /// The start screen's own state.
 #[derive(Default)]
 pub struct StartScreen {
@@ -38,11 +45,17 @@ impl StartScreen {
             let dialogs = session.dialogs();
             let label = "Open a set, or a folder of photos (you can also drop it on this window)";
             let chosen = self.path.ui(ui, label, Choose::Folder, &dialogs, &mut session.jobs);
-            if let Some(path) = chosen.into_iter().next() {
+            let typed = self.path.text.trim();
+            let by_button = ui.add_enabled(!typed.is_empty(), Button::new("Open this path")).clicked();
+            if let Some(path) = chosen.into_iter().next().or_else(|| by_button.then(|| PathBuf::from(typed))) {
                 open = Some(opening(path));
             }
             ui.add_space(16.0);
             recent(ui, session, &mut open);
+            ui.label(RichText::new("For a set of your own you need").strong());
+            NEEDED.iter().for_each(|needed| {
+                ui.label(format!("- {needed}"));
+            });
         });
         open
     }
@@ -82,6 +95,7 @@ fn recent(ui: &mut Ui, session: &Session, open: &mut Option<Open>) {
             *open = Some(opening(folder.clone()));
         }
     }
+    ui.add_space(16.0);
 }
 
 /// A folder without a capture.toml becomes a new set.

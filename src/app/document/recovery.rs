@@ -2,6 +2,7 @@
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -34,6 +35,7 @@ pub struct Recovery {
     root: PathBuf,
     folder: PathBuf,
     noted: Sender<()>,
+    stays: AtomicBool,
     /// Held, not read: its lock says that this run lives.
     _lock: Option<File>,
 }
@@ -51,7 +53,7 @@ impl Recovery {
         let (noted, news) = mpsc::channel();
         let place = folder.join(DOCUMENT);
         std::thread::spawn(move || keep_while_noted(&news, &place));
-        Self { root, folder, noted, _lock }
+        Self { root, folder, noted, stays: AtomicBool::new(false), _lock }
     }
 
     /// Documents that earlier runs did not get to save, with the folders that keep them.
@@ -65,6 +67,12 @@ impl Recovery {
             Some((folder, serde_json::from_str(&text).ok()?))
         };
         folders.filter(abandoned).filter_map(read).collect()
+    }
+
+    /// Leaves what was noted to the next run: this one must end, and not because a person wants it to.
+    pub fn leave_to_next_run(&self) {
+        self.stays.store(true, Ordering::Relaxed);
+        save_everything_now();
     }
 
     /// Forgets what an earlier run kept.
@@ -89,6 +97,9 @@ impl Recovery {
 impl Drop for Recovery {
     /// A run that ends in order leaves nothing to recover.
     fn drop(&mut self) {
+        if std::thread::panicking() || self.stays.load(Ordering::Relaxed) {
+            return;
+        }
         self.note(None);
         let _ = fs::remove_dir_all(&self.folder);
     }

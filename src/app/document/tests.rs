@@ -115,4 +115,14 @@ fn a_crash_leaves_the_unsaved_document_to_the_next_run_and_an_orderly_end_leaves
     drop(run);
     assert!(!own.exists());
     assert!(!save_everything_now());
+
+    // A run that panics drops its window on the way out, and must not take the document with it.
+    let run = Recovery::new(root.path().to_owned());
+    run.note(Some(editor.document()));
+    assert!(save_everything_now());
+    let panicked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(move || {
+        let _run = run;
+        panic!("as a bug would");
+    }));
+    assert!(panicked.is_err() && own.join("document.json").is_file());
 }

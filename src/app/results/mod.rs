@@ -2,6 +2,7 @@
 //! there.
 
 mod depends;
+mod finished;
 mod live;
 mod pictures;
 mod run;
@@ -10,14 +11,14 @@ mod stage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use firstbounce_capture::pipeline::{Calibrated, Separated, Solved, Surfaced};
+use firstbounce_capture::pipeline::{Calibrated, Separated};
 use firstbounce_core::Mesh;
-use firstbounce_core::shape::Shape;
 
 use super::document::Document;
 use super::jobs::{Jobs, Task};
 use super::log::Level;
 
+pub use finished::Finished;
 pub use live::Rig;
 pub use pictures::{MarksName, Pictures, PlaneName, ShotName, Stored, When};
 pub use run::{Loaded, LoadedShot, Shapes};
@@ -73,7 +74,7 @@ enum Outcome {
     Measure(depends::MeasureKey, Result<Calibration, String>),
     Calibrate(depends::CalibrateKey, Result<Calibration, String>),
     Separate(depends::SeparateKey, Result<(Separated, Batch), String>),
-    Shape(depends::ShapeKey, Result<(Shapes, Batch), String>),
+    Shape(depends::ShapeKey, Result<Box<(Shapes, Batch)>, String>),
     Mesh(depends::MeshKey, Result<Meshes, String>),
 }
 
@@ -274,7 +275,7 @@ impl Results {
                 jobs.start(name, move |job| {
                     let shapes = run::shape(&document, &loaded, &calibration, &separated, job);
                     let batch = |shapes: &Shapes| Batch::of_shapes(&key.lights, shapes);
-                    let shapes = shapes.map(|shapes| with_batch(shapes, batch));
+                    let shapes = shapes.map(|shapes| Box::new(with_batch(shapes, batch)));
                     Ok(Outcome::Shape(key, shapes))
                 })
             }
@@ -308,7 +309,7 @@ impl Results {
             Outcome::Measure(key, result) => self.measure.finish(key, result),
             Outcome::Calibrate(key, result) => self.calibrate.finish(key, result),
             Outcome::Separate(key, result) => self.separate.finish(key, result.map(|pair| pictures.take_from(pair))),
-            Outcome::Shape(key, result) => self.shape.finish(key, result.map(|pair| pictures.take_from(pair))),
+            Outcome::Shape(key, result) => self.shape.finish(key, result.map(|pair| pictures.take_from(*pair))),
             Outcome::Mesh(key, result) => self.mesh.finish(key, result),
         }
     }
@@ -368,43 +369,4 @@ impl Outcome {
 fn with_batch<T>(result: T, batch: impl FnOnce(&T) -> Batch) -> (T, Batch) {
     let batch = batch(&result);
     (result, batch)
-}
-
-/// The results of every stage, to be written off the UI thread.
-pub struct Finished {
-    loaded: Arc<Loaded>,
-    calibration: Arc<Calibration>,
-    separated: Arc<Separated>,
-    shapes: Arc<Shapes>,
-    meshes: Arc<Meshes>,
-}
-
-impl Results {
-    /// The results of every stage; `None` until all of them are there.
-    pub fn finished(&self) -> Option<Finished> {
-        Some(Finished {
-            loaded: self.loaded()?,
-            calibration: self.calibration()?,
-            separated: self.separated()?,
-            shapes: self.shapes()?,
-            meshes: self.meshes()?,
-        })
-    }
-}
-
-impl Finished {
-    /// As the pipeline's writer takes them. Copies marks, so call it in a job.
-    pub fn solved(&self) -> Result<Solved, String> {
-        let surfaced = |shape: &Shape, mesh: &Mesh| Surfaced { shape: shape.clone(), mesh: mesh.clone() };
-        Ok(Solved {
-            object: self.loaded.object.clone()?,
-            calibrated: self.calibration.calibrated.clone(),
-            separated: Separated::clone(&self.separated),
-            trust: self.shapes.trust.clone(),
-            direct: self.shapes.direct.clone(),
-            after: Ok(surfaced(&self.shapes.after, &self.meshes.after)),
-            before: Some(surfaced(&self.shapes.before, &self.meshes.before)),
-            stages: Vec::new(),
-        })
-    }
 }

@@ -54,7 +54,8 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
             view.look = Default::default();
         }
     }
-    ui.menu_button("Colours", |ui| look(ui, view));
+    let proposal = picture(&view.shown, &document, &session.results).map_or([0.0, 1.0], |shown| shown.display.range);
+    ui.menu_button("Colours", |ui| look(ui, view, proposal));
     ui.menu_button("View", |ui| {
         ui.checkbox(&mut view.linked, "Zoom and pan with the others");
         for (name, arrange) in [
@@ -71,7 +72,24 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
     });
 }
 
-fn look(ui: &mut Ui, view: &mut View) {
+/// The values at the two ends of the map: the picture's own, or typed.
+fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
+    let mut own = range.is_some();
+    ui.checkbox(&mut own, "Own ends of the colour map");
+    let mut ends = range.unwrap_or(proposal);
+    let speed = f64::from((ends[1] - ends[0]).abs()) * 0.005;
+    ui.add_enabled_ui(own, |ui| {
+        ui.horizontal(|ui| {
+            for (end, name) in ends.iter_mut().zip(["Low end", "High end"]) {
+                let label = ui.label(name);
+                ui.add(DragValue::new(end).speed(speed).max_decimals(5)).labelled_by(label.id);
+            }
+        });
+    });
+    *range = own.then_some(ends);
+}
+
+fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
     let look = &mut view.look;
     let exposure = ui.label("Exposure");
     ui.add(DragValue::new(&mut look.exposure_stops).speed(0.05).range(-20.0..=20.0).suffix(" stops"))
@@ -89,7 +107,9 @@ fn look(ui: &mut Ui, view: &mut View) {
     for map in ColourMap::ALL {
         ui.selectable_value(&mut look.map, Some(map), map.name());
     }
+    range(ui, &mut view.look.range, proposal);
     ui.separator();
+    let look = &mut view.look;
     ui.checkbox(&mut look.clip_zebra, "Stripes where light clips");
     ui.checkbox(&mut look.negative_zebra, "Stripes below zero");
     ui.checkbox(&mut look.plain, "Without the tints of clipped and dark pixels");

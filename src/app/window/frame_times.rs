@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use eframe::egui::{Context, Window};
+use eframe::egui::{Align2, Context, Window, vec2};
 
 /// Frames that are remembered.
 const KEPT: usize = 600;
@@ -34,7 +34,8 @@ impl FrameTimes {
     /// Shows the overlay while it is open.
     pub fn ui(&mut self, context: &Context) {
         let frames = &self.frames_ms;
-        Window::new("Frame times").open(&mut self.is_open).resizable(false).show(context, |ui| {
+        let window = Window::new("Frame times").open(&mut self.is_open).resizable(false);
+        window.anchor(Align2::RIGHT_BOTTOM, vec2(-16.0, -48.0)).show(context, |ui| {
             let count = frames.len();
             let longest = frames.iter().copied().fold(0.0, f32::max);
             let mean = frames.iter().sum::<f32>() / count.max(1) as f32;

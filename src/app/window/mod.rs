@@ -6,11 +6,13 @@ mod steps;
 mod strip;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use eframe::egui::{
     self, CentralPanel, Context, Frame, Key, Panel as SidePanel, RichText, ScrollArea, ThemePreference, Ui,
     ViewportCommand,
 };
+use eframe::wgpu::DeviceLostReason;
 use eframe::{App, CreationContext};
 
 use super::commands::{self, CommandId, Target};
@@ -31,6 +33,8 @@ pub struct Window {
     panels: Panels,
     chrome: Chrome,
     start: StartScreen,
+    /// Whether the graphics device went away under the window.
+    device_lost: Arc<AtomicBool>,
     /// Which of the opened sets the panels belong to.
     begun: u64,
     /// The title and scale that the system was told.
@@ -40,10 +44,10 @@ pub struct Window {
 impl Window {
     /// A window without a set.
     pub fn new(creation: &CreationContext<'_>, folders: Folders, dialogs: Arc<dyn Dialogs>) -> Self {
+        let context = creation.egui_ctx.clone();
         if let Some(render_state) = &creation.wgpu_render_state {
             gpu::install(render_state);
         }
-        let context = creation.egui_ctx.clone();
         // Edges of scroll areas would fade over the canvas, and egui's own zoom would not be remembered.
         context.all_styles_mut(|style| style.spacing.scroll.fade.strength = 0.0);
         context.options_mut(|options| options.zoom_with_keyboard = false);
@@ -53,6 +57,7 @@ impl Window {
             panels: Panels::default(),
             chrome: Chrome::default(),
             start: StartScreen::default(),
+            device_lost: Arc::default(),
             begun: 0,
             told: Default::default(),
         }
@@ -91,6 +96,20 @@ impl Window {
     pub fn run(&mut self, id: CommandId, context: &Context) {
         let Self { session, panels, chrome, .. } = self;
         commands::run(id, Target { session, panels, chrome, context });
+    }
+
+    /// Closes the window when its graphics device goes away, and notes that in `lost`.
+    pub fn watch_device(&mut self, creation: &CreationContext<'_>, lost: Arc<AtomicBool>) {
+        self.device_lost = lost.clone();
+        let Some(render_state) = &creation.wgpu_render_state else { return };
+        let context = creation.egui_ctx.clone();
+        render_state.device.set_device_lost_callback(move |reason, _| {
+            // The device also goes when the window is closed.
+            if reason == DeviceLostReason::Unknown {
+                lost.store(true, Ordering::Relaxed);
+                context.request_repaint();
+            }
+        });
     }
 
     fn tell_system(&mut self, context: &Context) {
@@ -191,6 +210,11 @@ impl App for Window {
             context.request_repaint_after(after);
         }
         self.tell_system(context);
+        if self.device_lost.load(Ordering::Relaxed) {
+            self.session.recovery.leave_to_next_run();
+            context.send_viewport_cmd(ViewportCommand::Close);
+            return;
+        }
         self.chrome.guard_close(context, &mut self.session);
     }
 
