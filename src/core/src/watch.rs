@@ -18,3 +18,24 @@ impl Watch for Unwatched {
         false
     }
 }
+
+/// A part of a longer piece of work: its own 0 to 1 is `from` to `to` of the whole.
+#[derive(Clone, Copy)]
+pub struct Portion<'a> {
+    /// Watches the whole.
+    pub watch: &'a dyn Watch,
+    /// Where the part begins.
+    pub from: f32,
+    /// Where it ends.
+    pub to: f32,
+}
+
+impl Watch for Portion<'_> {
+    fn progress(&self, fraction: f32) {
+        self.watch.progress(self.from + fraction * (self.to - self.from));
+    }
+
+    fn cancelled(&self) -> bool {
+        self.watch.cancelled()
+    }
+}

@@ -1,0 +1,92 @@
+//! The lab: photos of rendered scenes by a camera that errs, balls whose pictures are known in closed form, and the
+//! experiments of Liao, Huang and Yang, CVPR 2011, on synthetic scenes.
+
+mod balls;
+mod crosstalk;
+mod framing;
+mod sensor;
+
+use thiserror::Error;
+
+use crate::{normals::NormalsError, radiosity::RadiosityError, scene::SceneError, separate::SeparateError};
+
+pub use balls::{BallPicture, LampSpot};
+pub use crosstalk::Crosstalk;
+pub use framing::{directions_on_ring, framed};
+pub use sensor::Sensor;
+
+/// Why the lab could not do what was asked.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LabError {
+    /// An option out of its range.
+    #[error("{option} is {value}; it must be {range}")]
+    BadOption {
+        /// The field of the options.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// A matrix that does not fit the colours.
+    #[error("the crosstalk matrix is {rows} x {columns} for {colours} colours; give one row and one column a colour")]
+    CrosstalkShape {
+        /// Rows of the matrix.
+        rows: usize,
+        /// Columns of the matrix.
+        columns: usize,
+        /// Colours there are.
+        colours: usize,
+    },
+    /// A mesh that shows nothing from the front.
+    #[error("the surface has no width and height seen along z; turn it so that it faces +z")]
+    NothingToSee,
+    /// The scene could not be lit or seen.
+    #[error(transparent)]
+    Scene(SceneError),
+    /// An experiment's separation.
+    #[error("cannot separate: {0}")]
+    Separate(SeparateError),
+    /// An experiment's photometric stereo.
+    #[error("no normals: {0}")]
+    Normals(NormalsError),
+    /// The watcher asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl From<SceneError> for LabError {
+    fn from(error: SceneError) -> Self {
+        match error {
+            SceneError::Cancelled => Self::Cancelled,
+            other => Self::Scene(other),
+        }
+    }
+}
+
+impl From<RadiosityError> for LabError {
+    fn from(error: RadiosityError) -> Self {
+        SceneError::from(error).into()
+    }
+}
+
+impl From<SeparateError> for LabError {
+    fn from(error: SeparateError) -> Self {
+        match error {
+            SeparateError::Cancelled => Self::Cancelled,
+            other => Self::Separate(other),
+        }
+    }
+}
+
+impl From<NormalsError> for LabError {
+    fn from(error: NormalsError) -> Self {
+        match error {
+            NormalsError::Cancelled => Self::Cancelled,
+            other => Self::Normals(other),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,132 @@
+//! The camera's errors have the sizes that its numbers say, and balls the shading that the calibration expects.
+
+use nalgebra::{DMatrix, Unit, Vector3};
+use proptest::prelude::*;
+
+use super::*;
+use crate::{
+    Plane,
+    ball::{Ball, Circle, View},
+    calibrate::{HighlightOptions, find_highlights},
+    noise::NoiseModel,
+    photo::{CLIPPED, Photo},
+    scene::Shape,
+};
+
+fn mean_and_variance(plane: &Plane) -> (f64, f64) {
+    let count = plane.data().len() as f64;
+    let mean = plane.data().iter().map(|&v| f64::from(v)).sum::<f64>() / count;
+    (mean, plane.data().iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>() / (count - 1.0))
+}
+
+#[test]
+fn noise_has_the_variance_of_the_camera_model() {
+    let sensor = Sensor { full_well_electrons: 9_000.0, read_noise_electrons: 40.0, frames: 3, ..Sensor::default() };
+    let model = NoiseModel::of_camera(9_000.0, 40.0, 3, 1.0);
+    for (stream, light) in [0.02_f32, 0.3, 0.7].into_iter().enumerate() {
+        let photo = sensor.photograph(&Plane::filled(150, 150, light), stream as u64).unwrap();
+        let (mean, variance) = mean_and_variance(&photo.linear);
+        let sigma = model.sigma(f64::from(light));
+        // Four standard errors of the mean and of the variance.
+        assert!((mean - f64::from(light)).abs() < 4.0 * sigma / 150.0, "{mean} at {light}");
+        assert!((variance / sigma.powi(2) - 1.0).abs() < 4.0 * 2f64.sqrt() / 150.0, "{variance} at {light}");
+    }
+}
+
+#[test]
+fn photos_differ_by_stream_and_seed_alone() {
+    let light = Plane::filled(40, 5, 0.5);
+    let sensor = Sensor::default();
+    let stored = sensor.expose(&light, 3).unwrap();
+    assert_eq!(stored, sensor.expose(&light, 3).unwrap());
+    assert_ne!(stored, sensor.expose(&light, 4).unwrap());
+    assert_ne!(stored, Sensor { seed: 2, ..sensor }.expose(&light, 3).unwrap());
+    assert_ne!(stored.row(0), stored.row(1), "rows have noise of their own");
+}
+
+#[test]
+fn too_much_light_clips_and_is_marked() {
+    let light = Plane::from_fn(4, 1, |x, _| [0.2, 0.4, 0.55, 3.0][x]);
+    let sensor = Sensor { exposure: 2.0, ..Sensor::noiseless(8) };
+    assert_eq!(sensor.expose(&light, 0).unwrap().data(), [102.0, 204.0, 255.0, 255.0]);
+    assert_eq!(sensor.photograph(&light, 0).unwrap().marks, [0, 0, CLIPPED, CLIPPED]);
+}
+
+proptest! {
+    #[test]
+    fn without_noise_light_survives_to_half_a_step(
+        bits in 6_u32..=16, black in 0.0_f64..0.2, exposure in 0.1_f64..4.0, light in 0.0_f64..0.99,
+    ) {
+        let white = f64::from(2_u32.pow(bits) - 1);
+        let sensor = Sensor { black_level: (black * white).round(), exposure, ..Sensor::noiseless(bits) };
+        let light = light / exposure;
+        let photo = sensor.photograph(&Plane::filled(1, 1, light as f32), 0).unwrap();
+        prop_assume!(photo.marks[0] == 0);
+        let step = 1.0 / (white - sensor.black_level) / exposure;
+        prop_assert!((f64::from(photo.linear.at(0, 0)) - light).abs() <= 0.5 * step + 1e-5);
+    }
+}
+
+#[test]
+fn crosstalk_is_its_matrix() {
+    let colours = [Plane::filled(2, 1, 1.0), Plane::filled(2, 1, 10.0)];
+    let mixed = Crosstalk::even(2, 0.1).unwrap().mix(&colours).unwrap();
+    assert_eq!([mixed[0].at(0, 0), mixed[1].at(1, 0)], [2.0, 10.1]);
+    assert!(matches!(Crosstalk::even(3, 0.1).unwrap().mix(&colours), Err(LabError::CrosstalkShape { .. })));
+    assert!(Crosstalk::new(DMatrix::zeros(2, 3)).is_err());
+}
+
+fn ball(radius_px: f64) -> BallPicture {
+    let circle = Circle { centre_px: (50.3, 49.6), radius_px };
+    BallPicture { ball: Ball::new(circle, View::Orthographic), size: (100, 100), samples_per_pixel_side: 4 }
+}
+
+#[test]
+fn a_matt_ball_is_brightest_where_it_faces_the_lamp_and_sums_to_its_closed_form() {
+    let lamp = Unit::new_normalize(Vector3::new(0.3, 0.4, 1.0));
+    let picture = ball(40.0).matt(&lamp, 0.8);
+    let (x, y) = (50.3 + 40.0 * lamp.x, 49.6 - 40.0 * lamp.y);
+    assert!((picture.sample(x, y) - 0.8).abs() < 1e-3);
+    // The Lambertian phase law: 2/3 ((pi - a) cos a + sin a) r^2 of the light of a facet that faces the lamp.
+    let angle = lamp.z.acos();
+    let expected = 0.8 * 2.0 / 3.0 * ((std::f64::consts::PI - angle) * angle.cos() + angle.sin()) * 1600.0;
+    let sum: f64 = picture.data().iter().map(|&v| f64::from(v)).sum();
+    assert!((sum / expected - 1.0).abs() < 2e-3, "{sum} for {expected}");
+}
+
+#[test]
+fn the_highlight_on_a_mirror_ball_points_to_the_lamp() {
+    for direction in directions_on_ring(4, 25.0) {
+        let picture = ball(45.0);
+        let spot = LampSpot { half_angle_deg: 2.5, light: 0.8, room: 0.01 };
+        let photo = Photo::unmarked(picture.mirror(&direction, &spot));
+        let found = find_highlights(&photo, &[], &picture.ball, &HighlightOptions::default()).unwrap();
+        let angle = found.chosen().unwrap().direction.direction_to_light.angle(&direction).to_degrees();
+        assert!(angle < 0.3, "{angle} degrees");
+    }
+}
+
+#[test]
+fn a_framed_surface_fills_the_picture_and_stays_inside() {
+    let mesh = Shape::Corner { wall_mm: 60.0, roll_deg: 20.0 }.mesh(60).unwrap();
+    let (mesh, camera) = framed(mesh, 120).unwrap();
+    let (low, high) = mesh.bounds().unwrap();
+    let (left_top, right_bottom) = (camera.point_mm(0.0, 0.0, 0.0), camera.point_mm(120.0, 120.0, 0.0));
+    assert!(f64::from(low.x) > left_top.x && f64::from(high.x) < right_bottom.x);
+    assert!(f64::from(low.y) > right_bottom.y && f64::from(high.y) < left_top.y);
+    let filled = f64::from((high.x - low.x).max(high.y - low.y)) / (right_bottom.x - left_top.x);
+    assert!((0.9..1.0).contains(&filled), "{filled}");
+}
+
+#[test]
+fn what_is_out_of_range_is_refused() {
+    for sensor in [
+        Sensor { bits: 17, ..Sensor::default() },
+        Sensor { black_level: 256.0, ..Sensor::noiseless(8) },
+        Sensor { frames: 0, ..Sensor::default() },
+        Sensor { full_well_electrons: f64::NAN, ..Sensor::default() },
+        Sensor { exposure: 0.0, ..Sensor::default() },
+    ] {
+        assert!(matches!(sensor.photograph(&Plane::filled(1, 1, 0.5), 0), Err(LabError::BadOption { .. })));
+    }
+}
