@@ -1,6 +1,6 @@
 //! The inspector, by typed pixels and corners: what it says is what the pipeline computed.
 
-use eframe::egui::{Key, Modifiers, Role};
+use eframe::egui::Role;
 use egui_kittest::kittest::Queryable;
 use firstbounce::app::results::{PlaneName, When};
 use firstbounce::app::views::Shown;
