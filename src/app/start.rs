@@ -10,7 +10,7 @@ use super::path_field::PathField;
 use super::session::{Open, Session};
 
 const NEEDED: [&str; 4] = [
-    "photos of the object under at least three lamps, each in two colours or more, raw or 16 bits and without clipping",
+    "photos of the object under at least three lamps, each in two colours or more, best in 16 bits, and without clipping",
     "photos of a matte grey ball under the same lamps and colours: how strong each lamp is in each colour",
     "photos of a ball of the object's own paint, in the same way: how much of each colour the paint sends on",
     "photos of a mirror ball under each lamp: where the lamps are",
