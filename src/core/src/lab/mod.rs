@@ -4,6 +4,7 @@
 mod balls;
 mod crosstalk;
 mod framing;
+mod paper;
 mod sensor;
 
 use thiserror::Error;
@@ -13,6 +14,7 @@ use crate::{normals::NormalsError, radiosity::RadiosityError, scene::SceneError,
 pub use balls::{BallPicture, LampSpot};
 pub use crosstalk::Crosstalk;
 pub use framing::{directions_on_ring, framed};
+pub use paper::{Figure3Point, Paper, PaperErrors, PaperOptions, TableRow, paper};
 pub use sensor::Sensor;
 
 /// Why the lab could not do what was asked.
