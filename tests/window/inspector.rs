@@ -45,6 +45,7 @@ fn statistics_of_the_whole_object_are_those_of_the_report() {
 fn a_typed_rectangle_is_measured_and_cleared() {
     let mut hands = Hands::with_demo();
     hands.rest();
+    hands.session().views.show(Shown::Bounce { light: "left".into(), k: 1 });
     hands.harness.get_by_role_and_label(Role::RadioButton, "Rectangle").click();
     hands.steps();
     for (field, px) in [("Left", "200"), ("Top", "180"), ("Right", "240"), ("Bottom", "210")] {
