@@ -4,6 +4,7 @@ mod calibrate;
 mod captures;
 mod export;
 mod inspector;
+mod part;
 mod separate;
 mod shape;
 

@@ -8,6 +8,7 @@ use firstbounce_core::ball::{self, BallError, CircleOptions, CircleReport, find_
 
 use super::{ball_title, balls_of};
 use crate::app::jobs::Task;
+use crate::app::panels::part::part;
 use crate::app::results::{Loaded, ShotName};
 use crate::app::session::Session;
 use crate::app::views::Shown;
@@ -57,8 +58,14 @@ impl Balls {
             );
         }
         for (subject, kind) in balls {
-            self.ball(ui, session, subject, kind);
+            part(ui, (subject, kind), |ui| self.ball(ui, session, subject, kind));
         }
+        part(ui, "clicks", |ui| self.clicks(ui));
+        ui.separator();
+    }
+
+    /// What a click on a photo does.
+    fn clicks(&mut self, ui: &mut Ui) {
         ui.checkbox(&mut self.click_finds, "A click on a ball's photo finds its edge");
         let words = |kind: Option<SphereKind>| kind.map_or("no ball", ball_title);
         ComboBox::from_label("A click in the object's photo means").selected_text(words(self.in_scene)).show_ui(
@@ -70,7 +77,6 @@ impl Balls {
                 }
             },
         );
-        ui.separator();
     }
 
     fn ball(&mut self, ui: &mut Ui, session: &mut Session, subject: Subject, kind: SphereKind) {

@@ -15,6 +15,7 @@ use eframe::egui::{RichText, Ui};
 use firstbounce_capture::pipeline::{Calibrated, Source};
 use firstbounce_capture::set::{CaptureSet, SphereKind, Subject, Word};
 
+use super::part::part;
 use super::{Over, Panel};
 use crate::app::document::Document;
 use crate::app::results::{Calibration, StageState, Step};
@@ -48,20 +49,23 @@ impl Panel for Calibrate {
             advice(ui, "There is no light yet: add photos in Captures first.");
             return;
         }
-        status(ui, session);
-        self.balls.ui(ui, session);
-        self.pixels.legend(ui);
+        part(ui, "status", |ui| status(ui, session));
+        part(ui, "balls", |ui| self.balls.ui(ui, session));
+        part(ui, "pixels", |ui| self.pixels.legend(ui));
         let measured = session.results.measured().filter(|measured| counts_by(measured, set));
         if let Some(measured) = &measured {
-            self.highlights.ui(ui, session, &measured.calibrated);
+            part(ui, "highlights", |ui| self.highlights.ui(ui, session, &measured.calibrated));
         }
         let in_force = self.in_force(session);
-        values::ui(ui, session, &in_force, measured.as_deref().map(|measured| &measured.calibrated));
-        ui.collapsing("Lights on a dome", |ui| dome::ui(ui, set, &in_force));
+        let balls_say = measured.as_deref().map(|measured| &measured.calibrated);
+        part(ui, "values", |ui| values::ui(ui, session, &in_force, balls_say));
+        part(ui, "dome", |ui| ui.collapsing("Lights on a dome", |ui| dome::ui(ui, set, &in_force)));
         if let Some(measured) = &measured {
-            ui.collapsing("Ratios on the balls", |ui| self.histogram.ui(ui, set, &measured.calibrated));
+            part(ui, "ratios", |ui| {
+                ui.collapsing("Ratios on the balls", |ui| self.histogram.ui(ui, set, &measured.calibrated))
+            });
         }
-        ui.collapsing("Use the rig of another set", |ui| self.rig.ui(ui, session));
+        part(ui, "other rig", |ui| ui.collapsing("Use the rig of another set", |ui| self.rig.ui(ui, session)));
     }
 
     fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {

@@ -4,6 +4,7 @@ use eframe::egui::{Color32, DragValue, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::pipeline::{Calibrated, Known, Source, Verdict};
 use firstbounce_capture::set::CaptureSet;
 
+use crate::app::panels::part::part;
 use crate::app::session::Session;
 
 /// What a person did to a value.
@@ -21,7 +22,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session, in_force: &Calibrated, measured: O
         ui.group(|ui| {
             ui.label(RichText::new("Paint: beta, albedo over the reference colour's").small());
             for c in 1..set.colours.len() {
-                beta(ui, session, set, in_force, measured, c);
+                part(ui, c, |ui| beta(ui, session, set, in_force, measured, c));
             }
         });
     }
@@ -30,10 +31,10 @@ pub fn ui(ui: &mut Ui, session: &mut Session, in_force: &Calibrated, measured: O
         ui.group(|ui| {
             ui.label(RichText::new(format!("Light {name}")).strong());
             for c in 1..set.colours.len() {
-                alpha(ui, session, set, in_force, measured, (l, c));
+                part(ui, (l, c), |ui| alpha(ui, session, set, in_force, measured, (l, c)));
             }
-            intensity(ui, session, set, in_force, l);
-            direction(ui, session, set, in_force, l);
+            part(ui, (l, "intensity"), |ui| intensity(ui, session, set, in_force, l));
+            part(ui, (l, "direction"), |ui| direction(ui, session, set, in_force, l));
         });
     }
 }
@@ -200,8 +201,8 @@ fn judged(ui: &mut Ui, label: &str, source: &str, typed: bool, verdict: Option<V
 
 /// A number under an accessible name; whether it was changed.
 fn field(ui: &mut Ui, number: &mut f64, least: f64, name: &str) -> bool {
-    let response =
-        ui.add(DragValue::new(number).speed(0.001).max_decimals(6).min_decimals(4).range(least..=f64::INFINITY));
+    let field = DragValue::new(number).speed(0.001).fixed_decimals(4).range(least..=f64::INFINITY);
+    let response = part(ui, name, |ui| ui.add(field));
     response.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, name));
     response.changed()
 }

@@ -13,6 +13,7 @@ use eframe::egui::{RichText, Ui};
 use firstbounce_capture::image_file::pictures_in;
 use firstbounce_capture::set::Location;
 
+use super::part::part;
 use super::{Over, Panel};
 use crate::app::dialogs::Choose;
 use crate::app::path_field::PathField;
@@ -34,10 +35,15 @@ pub struct Captures {
 
 impl Panel for Captures {
     fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
-        problems(ui, session);
-        self.add_files(ui, session);
         let document = session.document();
+        if !document.set.shots.is_empty() {
+            part(ui, "problems", |ui| problems(ui, session));
+        }
+        part(ui, "add", |ui| self.add_files(ui, session));
         if document.set.shots.is_empty() {
+            if self.incoming.is_some() {
+                return;
+            }
             advice(
                 ui,
                 "This set has no photos yet. Drop files or a folder on the window, or name them above: photos of the \
@@ -46,16 +52,11 @@ impl Panel for Captures {
             );
             return;
         }
-        self.table.ui(ui, session, &mut self.selected);
-        if let Some(name) = self.selected.clone() {
-            shot::ui(ui, session, &name, &mut self.selected);
-        }
+        part(ui, "camera", |ui| self.camera.ui(ui, session));
+        part(ui, "names", |ui| names::ui(ui, session));
+        part(ui, "mask", |ui| ui.collapsing("Mask", |ui| self.mask.ui(ui, session)));
         ui.separator();
-        self.camera.ui(ui, session);
-        ui.separator();
-        names::ui(ui, session);
-        ui.separator();
-        self.mask.ui(ui, session);
+        part(ui, "table", |ui| self.table.ui(ui, session, &mut self.selected));
     }
 
     fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {

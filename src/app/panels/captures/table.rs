@@ -9,7 +9,9 @@ use eframe::egui::{
 use firstbounce_capture::pipeline::{Exposed, region_of, thumbnail};
 use firstbounce_capture::set::{CaptureSet, Encoding, Shot, ShotCell, ShotTable, Sphere, Subject};
 
+use super::shot;
 use crate::app::jobs::{Job, Task};
+use crate::app::panels::part::part;
 use crate::app::results::{Loaded, ShotName};
 use crate::app::session::Session;
 use crate::app::views::Shown;
@@ -62,6 +64,9 @@ impl Table {
             Grid::new(title)
                 .spacing(vec2(8.0, 6.0))
                 .show(ui, |ui| self.grid(ui, session, &document.set, &table, selected));
+            if let Some(name) = selected.clone().filter(|name| name.subject == table.subject) {
+                part(ui, title, |ui| shot::ui(ui, session, &name, selected));
+            }
             ui.add_space(6.0);
         }
     }
@@ -202,7 +207,10 @@ fn look_at(set: &CaptureSet, loaded: &Loaded, job: &Job) -> Result<Vec<Look>, St
         let own = set.shots.iter().find(|other| ShotName::of(other) == name);
         let region = own.and_then(|own| region_of(set, own, mask, photo.linear.size()));
         let small = thumbnail(&photo.linear, THUMBNAIL_PX);
-        let white = shot.range[1].max(f32::MIN_POSITIVE);
+        // What matters on a mirror ball is the brightest spot, elsewhere all but it.
+        let brightest = small.data().iter().copied().fold(0.0, f32::max);
+        let white =
+            if name.subject == Subject::MirrorSphere { brightest } else { shot.range[1] }.max(f32::MIN_POSITIVE);
         let grey = |light: &f32| {
             Color32::from_gray((Encoding::Srgb.encode((light / white).clamp(0.0, 1.0)) * 255.0).round() as u8)
         };
