@@ -27,11 +27,9 @@ fn make_screenshots() {
     step(&mut hands, PanelName::Calibrate, photo(Subject::GreySphere));
     save(&mut hands, "calibrate");
 
-    hands.session().edit("Type beta", |document| document.set.calibration.beta = Some(vec![1.0, 0.97]));
     step(&mut hands, PanelName::Separate, Shown::Bounce { light: "left".into(), k: 1 });
     save(&mut hands, "separate");
 
-    hands.session().edit("Go back to the measured beta", |document| document.set.calibration.beta = None);
     step(&mut hands, PanelName::Shape, Shown::Normals(When::After));
     save(&mut hands, "shape");
 }
