@@ -60,7 +60,7 @@ impl Sensor {
     /// Whether every number is in its range.
     pub fn check(&self) -> Result<(), LabError> {
         let bad = |option, value, range| Err(LabError::BadOption { option, value, range });
-        if !(self.full_well_electrons > 0.0) {
+        if self.full_well_electrons.is_nan() || self.full_well_electrons <= 0.0 {
             return bad("full_well_electrons", self.full_well_electrons, "more than 0");
         }
         if !(self.read_noise_electrons.is_finite() && self.read_noise_electrons >= 0.0) {
