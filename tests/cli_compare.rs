@@ -1,5 +1,7 @@
 //! `firstbounce compare` on meshes whose true place is known, and on files that are none.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
 use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};

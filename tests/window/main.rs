@@ -1,6 +1,8 @@
 //! The whole window, by its accessible names. No test here draws, so none needs a graphics adapter; only the screenshots,
 //! which are made on request, do.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
 mod captures;
 mod disk;
 mod edits;

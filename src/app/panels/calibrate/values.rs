@@ -55,7 +55,7 @@ fn beta(
     match number(ui, &label, known, was, typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
-            let old = in_force.beta.as_ref().map(values).unwrap_or_else(|| vec![1.0; colours]);
+            let old = in_force.beta.as_deref().map(values).unwrap_or_else(|| vec![1.0; colours]);
             document.set.calibration.beta = Some(with(old, colours, c, value));
         }),
         Some(Change::BackToMeasured) => {
@@ -82,7 +82,7 @@ fn alpha(
     match number(ui, &label, known.as_ref(), was.as_ref(), typed, in_force.judge_alpha(l, c)) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
-            let old = in_force.alpha.get(l).and_then(Option::as_ref).map(values);
+            let old = in_force.alpha.get(l).and_then(Option::as_deref).map(values);
             let new = with(old.unwrap_or_else(|| vec![1.0; colours]), colours, c, value);
             document.set.calibration.alpha.insert(light.clone(), new);
         }),
@@ -215,7 +215,7 @@ fn colour(ui: &Ui, verdict: &Verdict) -> Color32 {
     }
 }
 
-fn values(known: &Vec<Known<f64>>) -> Vec<f64> {
+fn values(known: &[Known<f64>]) -> Vec<f64> {
     known.iter().map(|known| known.value).collect()
 }
 

@@ -1,7 +1,7 @@
 //! Files on their way into the set: what each becomes by the pattern, and what a person makes of the others.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{Button, ComboBox, Key, PopupCloseBehavior, RichText, Role, TextEdit, Ui, WidgetInfo};
 use firstbounce_capture::CaptureSet;
@@ -169,7 +169,7 @@ impl Incoming {
     }
 }
 
-fn by_hand(set: &mut CaptureSet, file: &PathBuf, hand: &Hand) -> Preview {
+fn by_hand(set: &mut CaptureSet, file: &Path, hand: &Hand) -> Preview {
     let given = |name: &String| Some(name.trim().to_owned()).filter(|name| !name.is_empty());
     let (light, colour) = match hand.subject {
         Subject::Dark => (None, None),
