@@ -15,6 +15,7 @@ pub mod preferences;
 pub mod results;
 pub mod session;
 mod start;
+pub mod theme;
 pub mod views;
 pub mod window;
 

@@ -22,6 +22,7 @@ use super::preferences::{Folders, Theme};
 use super::results::Next;
 use super::session::{Open, Session};
 use super::start::{StartScreen, opening};
+use super::theme;
 use super::views;
 use crate::gpu;
 
@@ -48,8 +49,8 @@ impl Window {
         if let Some(render_state) = &creation.wgpu_render_state {
             gpu::install(render_state);
         }
-        // Edges of scroll areas would fade over the canvas, and egui's own zoom would not be remembered.
-        context.all_styles_mut(|style| style.spacing.scroll.fade.strength = 0.0);
+        theme::install(&context);
+        // egui's own zoom would not be remembered.
         context.options_mut(|options| options.zoom_with_keyboard = false);
         let session = Session::new(folders, dialogs, Arc::new(move || context.request_repaint()));
         Self {

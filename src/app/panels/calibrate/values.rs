@@ -6,6 +6,7 @@ use firstbounce_capture::set::CaptureSet;
 
 use crate::app::panels::part::part;
 use crate::app::session::Session;
+use crate::app::theme;
 
 /// What a person did to a value.
 enum Change<T> {
@@ -209,7 +210,7 @@ fn field(ui: &mut Ui, number: &mut f64, least: f64, name: &str) -> bool {
 
 fn colour(ui: &Ui, verdict: &Verdict) -> Color32 {
     match verdict {
-        Verdict::Good => Color32::from_rgb(46, 160, 80),
+        Verdict::Good => theme::good(ui.visuals()),
         Verdict::TakeCare(_) => ui.visuals().warn_fg_color,
         Verdict::DoNotTrust(_) => ui.visuals().error_fg_color,
     }
