@@ -9,6 +9,7 @@ mod edits;
 mod harness;
 mod inspector;
 mod keyboard;
+mod nayar;
 mod results;
 mod rig;
 mod screenshots;

@@ -9,6 +9,7 @@ use firstbounce_core::{Plane, shape::Shape};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::nayar::ByNayar;
 use super::run::{Loaded, Shapes};
 use super::stage::Step;
 use crate::gpu::{CanvasMarks, CanvasPlane};
@@ -59,6 +60,8 @@ pub enum PlaneName {
     Residual(String),
     /// Bounce 1 with less noise.
     Direct(String),
+    /// Direct light of a light, as Nayar's method finds it.
+    NayarDirect(String),
     /// x, y or z of the normals.
     Normal(When, usize),
     /// Albedo.
@@ -82,13 +85,25 @@ pub enum MarksName {
     Mask,
 }
 
-/// From the photos as they are, or from bounce 1.
+/// From the photos as they are, from bounce 1, or by the other method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum When {
     /// From the photos as they are.
     Before,
     /// From bounce 1.
     After,
+    /// From the reference colour's photos by Nayar's method.
+    Nayar,
+}
+
+impl When {
+    /// The stage that gives it.
+    pub fn stage(self) -> Step {
+        match self {
+            Self::Before | Self::After => Step::Shape,
+            Self::Nayar => Step::Nayar,
+        }
+    }
 }
 
 /// A plane and where most of its values lie.
@@ -152,7 +167,9 @@ impl PlaneName {
         match self {
             Self::Photo(_) => Step::Load,
             Self::Bounce(..) | Self::Noise(_) | Self::Residual(_) => Step::Separate,
-            Self::Direct(_) | Self::Normal(..) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) => Step::Shape,
+            Self::Direct(_) => Step::Shape,
+            Self::NayarDirect(_) => Step::Nayar,
+            Self::Normal(when, _) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => when.stage(),
         }
     }
 }
@@ -162,7 +179,7 @@ impl MarksName {
         match self {
             Self::Photo(_) | Self::Mask => Step::Load,
             Self::Separation(_) => Step::Separate,
-            Self::Normals(_) => Step::Shape,
+            Self::Normals(when) => when.stage(),
         }
     }
 }
@@ -218,6 +235,15 @@ impl Batch {
         }
         batch.put_shape(When::After, &shapes.after);
         batch.put_shape(When::Before, &shapes.before);
+        batch
+    }
+
+    pub fn of_nayar(found: &ByNayar) -> Self {
+        let mut batch = Self::new(Step::Nayar);
+        for (light, direct) in &found.direct {
+            batch.put(PlaneName::NayarDirect(light.clone()), direct);
+        }
+        batch.put_shape(When::Nayar, &found.shape);
         batch
     }
 

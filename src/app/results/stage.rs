@@ -18,11 +18,14 @@ pub enum Step {
     Shape,
     /// Depth to triangles.
     Mesh,
+    /// The other method, where it is asked for.
+    Nayar,
 }
 
 impl Step {
     /// All stages, in order.
-    pub const ALL: [Self; 6] = [Self::Load, Self::Measure, Self::Calibrate, Self::Separate, Self::Shape, Self::Mesh];
+    pub const ALL: [Self; 7] =
+        [Self::Load, Self::Measure, Self::Calibrate, Self::Separate, Self::Shape, Self::Mesh, Self::Nayar];
 
     /// The stage whose result this one takes.
     pub fn needs(self) -> Option<Self> {
@@ -31,7 +34,7 @@ impl Step {
             Self::Measure | Self::Calibrate => Some(Self::Load),
             Self::Separate => Some(Self::Calibrate),
             Self::Shape => Some(Self::Separate),
-            Self::Mesh => Some(Self::Shape),
+            Self::Mesh | Self::Nayar => Some(Self::Shape),
         }
     }
 
@@ -44,6 +47,7 @@ impl Step {
             Self::Separate => "Separate bounces",
             Self::Shape => "Recover shape",
             Self::Mesh => "Make mesh",
+            Self::Nayar => "Solve by Nayar's method",
         }
     }
 }
@@ -57,6 +61,7 @@ impl fmt::Display for Step {
             Self::Separate => "Separation",
             Self::Shape => "Shape recovery",
             Self::Mesh => "Meshing",
+            Self::Nayar => "Nayar's method",
         })
     }
 }

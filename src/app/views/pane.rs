@@ -29,7 +29,7 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Pane
 fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
     let document = session.document();
     ui.menu_button(format!("Picture: {}", view.shown.title()), |ui| {
-        if let Some(chosen) = picker::ui(ui, &document.set, Some(&view.shown)) {
+        if let Some(chosen) = picker::ui(ui, &document, Some(&view.shown)) {
             view.shown = chosen;
             view.look = Default::default();
             session.views.active = Some(view.id);
@@ -41,7 +41,7 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
             view.against = None;
             ui.close();
         }
-        if let Some(chosen) = picker::ui(ui, &document.set, view.against.as_ref()) {
+        if let Some(chosen) = picker::ui(ui, &document, view.against.as_ref()) {
             view.against = Some(chosen);
         }
     });

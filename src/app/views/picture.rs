@@ -25,6 +25,9 @@ pub struct Picture {
 
 /// The picture, or one line that says why there is none yet.
 pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, String> {
+    if shown.is_by_nayar() && !document.settings.nayar.compute {
+        return Err(not_yet(shown, document, results));
+    }
     let pictures = results.pictures();
     let stored = |name: PlaneName| pictures.plane(&name).ok_or_else(|| not_yet(shown, document, results));
     let masked = |source: Source| with_mask(source, results);
@@ -70,6 +73,11 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
                 display: grey(plane.range),
                 quantity: LIGHT,
             })
+        }
+        Shown::NayarDirect { light } => {
+            let plane = stored(PlaneName::NayarDirect(light.clone()))?;
+            let range = pictures.plane(&PlaneName::Direct(light.clone())).map_or(plane.range, |stored| stored.range);
+            Ok(Picture { source: masked(Source::plane(plane.plane.clone())), display: grey(range), quantity: LIGHT })
         }
         Shown::Marks { light } => {
             let photo = reference(document, results, light).ok_or_else(|| not_yet(shown, document, results))?;
@@ -120,6 +128,7 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::Residual { light } => stored(PlaneName::Residual(light.clone())),
         Shown::Noise { light } => stored(PlaneName::Noise(light.clone())),
         Shown::Direct { light } => stored(PlaneName::Direct(light.clone())),
+        Shown::NayarDirect { light } => stored(PlaneName::NayarDirect(light.clone())),
         Shown::Albedo(when) => stored(PlaneName::Albedo(*when)),
         Shown::NormalNoise(when) => stored(PlaneName::NormalNoise(*when)),
         Shown::Depth(when) => stored(PlaneName::Depth(*when)),
@@ -209,15 +218,19 @@ fn has_scale(set: &CaptureSet) -> bool {
 fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
     use crate::app::results::{StageState, Step};
     let step = match shown {
+        _ if shown.is_by_nayar() => Step::Nayar,
         Shown::Photo(name) => return no_photo(name, document, results),
         Shown::Bounce { .. } | Shown::Sum { .. } | Shown::FigureOne { .. } | Shown::Difference(..) => Step::Load,
         Shown::Residual { .. } if results.rig(document).bounces >= document.set.colours.len() => {
             return "with as many bounces as colours nothing is left over: choose a lower order in Separate".into();
         }
         Shown::Residual { .. } | Shown::Noise { .. } | Shown::Marks { .. } => Step::Separate,
-        Shown::Direct { .. } | Shown::Normals(_) | Shown::Albedo(_) | Shown::NormalNoise(_) | Shown::Depth(_) => {
-            Step::Shape
-        }
+        Shown::Direct { .. }
+        | Shown::NayarDirect { .. }
+        | Shown::Normals(_)
+        | Shown::Albedo(_)
+        | Shown::NormalNoise(_)
+        | Shown::Depth(_) => Step::Shape,
     };
     match results.state(step, document) {
         StageState::Failed { line } | StageState::Blocked { line } => line,
