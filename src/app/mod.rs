@@ -9,12 +9,14 @@ pub mod document;
 pub mod jobs;
 mod launch;
 pub mod log;
+mod number_field;
 pub mod panels;
 pub mod path_field;
 pub mod preferences;
 pub mod results;
 pub mod session;
 mod start;
+mod theme;
 pub mod views;
 pub mod window;
 

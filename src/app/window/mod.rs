@@ -22,6 +22,7 @@ use super::preferences::{Folders, Theme};
 use super::results::Next;
 use super::session::{Open, Session};
 use super::start::{StartScreen, opening};
+use super::theme;
 use super::views;
 use crate::gpu;
 
@@ -48,8 +49,8 @@ impl Window {
         if let Some(render_state) = &creation.wgpu_render_state {
             gpu::install(render_state);
         }
-        // Edges of scroll areas would fade over the canvas, and egui's own zoom would not be remembered.
-        context.all_styles_mut(|style| style.spacing.scroll.fade.strength = 0.0);
+        theme::apply(&context);
+        // egui's own zoom would not be remembered.
         context.options_mut(|options| options.zoom_with_keyboard = false);
         let session = Session::new(folders, dialogs, Arc::new(move || context.request_repaint()));
         Self {
@@ -155,7 +156,7 @@ impl Window {
         match paths.as_slice() {
             [] => {}
             [set] if set.join("capture.toml").is_file() || set.ends_with("capture.toml") => {
-                self.open(Open::Set(set.clone()));
+                self.chrome.open_set(&mut self.session, Open::Set(set.clone()));
             }
             _ if self.session.is_open() => self.panels.dropped(paths, &mut self.session),
             [folder] if folder.is_dir() => {
@@ -185,6 +186,7 @@ impl Window {
             SidePanel::left("steps").default_size(340.0).size_range(220.0..=640.0).show(ui, |ui| {
                 steps::ui(ui, session);
                 ui.separator();
+                steps::next(ui, session);
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     let panel = session.panel;
                     ui.push_id(panel.title(), |ui| panels.of(panel).ui(ui, session));
@@ -238,6 +240,7 @@ impl App for Window {
         self.chrome.dialogs(&context, &mut self.session);
         self.session.log.show_toasts(&context);
         self.run_requested(&context, vec![by_keys, by_menu, by_palette]);
+        self.begin_panels();
     }
 
     fn on_exit(&mut self) {
