@@ -9,6 +9,7 @@ pub mod document;
 pub mod jobs;
 mod launch;
 pub mod log;
+mod number_field;
 pub mod panels;
 pub mod path_field;
 pub mod preferences;

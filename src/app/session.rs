@@ -134,7 +134,7 @@ impl Session {
         std::mem::take(&mut self.requests)
     }
 
-    /// Opens a set in place of the one that is open. What was unsaved of that one is kept for recovery.
+    /// Opens a set in place of the one that is open, whose unsaved edits are lost: ask first, by `Chrome::open_set`.
     pub fn open(&mut self, open: Open) {
         let opened = match &open {
             Open::Set(path) => Editor::open(path).map_err(|error| error.to_string()),

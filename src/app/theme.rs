@@ -24,7 +24,7 @@ fn sizes(style: &mut Style) {
 
 fn colours(visuals: &mut Visuals) {
     // egui's own labels, hints, links and warnings are too faint for small text that is to be read.
-    visuals.widgets.noninteractive.fg_stroke.color = by_theme(visuals, Color32::from_gray(190), Color32::from_gray(50));
+    visuals.widgets.noninteractive.fg_stroke.color = by_theme(visuals, Color32::from_gray(205), Color32::from_gray(40));
     visuals.weak_text_alpha = 0.75;
     visuals.hyperlink_color = by_theme(visuals, Color32::from_rgb(110, 180, 255), Color32::from_rgb(0, 92, 170));
     visuals.warn_fg_color = by_theme(visuals, Color32::from_rgb(240, 180, 60), Color32::from_rgb(140, 84, 0));

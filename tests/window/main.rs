@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
+mod around;
 mod captures;
 mod disk;
 mod edits;
@@ -15,3 +16,4 @@ mod rig;
 mod screenshots;
 mod separate;
 mod start;
+mod whole;

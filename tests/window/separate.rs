@@ -63,3 +63,17 @@ fn a_typed_beta_gives_way_to_the_measured_one() {
     hands.click_button("Use the measured beta");
     assert_eq!(hands.session().document().set.calibration.beta, None);
 }
+
+#[test]
+fn a_negative_bounce_1_is_told_in_words() {
+    let mut hands = at_separate();
+    hands.session().edit("Type alpha", |document| {
+        for light in ["left", "top", "right"] {
+            document.set.calibration.alpha.insert(light.into(), vec![1.0, 30.0]);
+        }
+    });
+    hands.steps();
+    assert!(hands.sees("Do not trust") && hands.sees("bounce 1 comes out negative"));
+    assert!(hands.sees("bounce 1 is negative"), "in the place of percentages");
+    assert!(!hands.sees("inf ") && !hands.sees("NaN"));
+}

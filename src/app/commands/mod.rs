@@ -161,7 +161,9 @@ const fn plain(
 
 /// Every command, in the order of the menus.
 pub static COMMANDS: &[Command] = &[
-    plain(CommandId::OpenDemo, Menu::File, "Open the demo", None, always, |target| target.session.open(Open::Demo)),
+    plain(CommandId::OpenDemo, Menu::File, "Open the demo", None, always, |target| {
+        target.chrome.open_set(target.session, Open::Demo);
+    }),
     plain(CommandId::CloseSet, Menu::File, "Open another set...", ctrl(Key::O), always, |target| {
         target.chrome.leave_set(target.session);
     }),

@@ -9,6 +9,7 @@ use firstbounce_core::shape::Shape;
 use super::Panel;
 use crate::app::document::{Document, ShapeSettings};
 use crate::app::jobs::Task;
+use crate::app::number_field;
 use crate::app::results::{Shapes, StageState, Step, When};
 use crate::app::session::Session;
 use crate::app::views::Shown;
@@ -83,10 +84,8 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
     Grid::new("shape options").num_columns(2).show(ui, |ui| {
         let mut percent = |ui: &mut Ui, label: &str, hover: &str, share: &mut f64| {
             let name = ui.label(label).on_hover_text(hover);
-            let mut value = 100.0 * *share;
-            let field = DragValue::new(&mut value).range(0.0..=99.0).speed(0.1).max_decimals(1).suffix(" %");
+            let field = number_field::percent(share, 1).range(0.0..=0.99).speed(0.001);
             if ui.add(field).labelled_by(name.id).changed() {
-                *share = value / 100.0;
                 changed = Some(format!("Change {}", label.to_lowercase()));
             }
             ui.end_row();
@@ -154,7 +153,7 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
             Shown::Albedo(When::After),
             Shown::Difference(Box::new(Shown::Depth(When::After)), Box::new(Shown::Depth(When::Before))),
         ] {
-            if ui.button(format!("Show {}", lower_first(&shown.title()))).clicked() {
+            if ui.button(format!("Show {}", shown.title().to_lowercase())).clicked() {
                 session.views.show(shown);
             }
         }
@@ -173,11 +172,6 @@ const ROWS: &[Row] = &[
     ("Slope residual of the depth", |shape| format!("{:.4}", shape.depth.report.rms_slope_residual)),
     ("Unconnected parts", |shape| shape.depth.report.islands.to_string()),
 ];
-
-fn lower_first(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
-}
 
 impl ShapePanel {
     /// For sets that know the truth.

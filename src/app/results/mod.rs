@@ -12,7 +12,7 @@ mod stage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use firstbounce_capture::pipeline::{Calibrated, Separated};
+use firstbounce_capture::pipeline::{Calibrated, Preference, Separated};
 use firstbounce_core::Mesh;
 
 use super::document::Document;
@@ -259,16 +259,16 @@ impl Results {
                 })
             }
             Step::Measure => {
-                let key = keys.measure.clone()?;
+                let (key, loaded) = (keys.measure.clone()?, self.loaded()?);
                 jobs.start(name, move |job| {
-                    let measured = run::measure(&key.set, job);
+                    let measured = run::calibration(&key.set, Preference::Balls, &loaded, job);
                     Ok(Outcome::Measure(key, measured))
                 })
             }
             Step::Calibrate => {
-                let key = keys.calibrate.clone()?;
+                let (key, loaded) = (keys.calibrate.clone()?, self.loaded()?);
                 jobs.start(name, move |job| {
-                    let calibrated = run::calibrate_file(&key.set, job);
+                    let calibrated = run::calibration(&key.set, Preference::File, &loaded, job);
                     Ok(Outcome::Calibrate(key, calibrated))
                 })
             }

@@ -1,9 +1,11 @@
 //! The stages' work, by the pipeline that the command line runs.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
-    Calibrated, Direct, ObjectLevels, ObjectPhotos, PipelineError, Preference, Separated, calibrate, camera_of, judge,
-    load_object, load_subject, quiet_lights, raw_lights, recover, separate_lights, triangulate,
+    BallPhotos, Calibrated, Direct, ObjectLevels, ObjectPhotos, PipelineError, Preference, Separated, calibrate_on,
+    camera_of, judge, load_object, load_subject, quiet_lights, raw_lights, recover, separate_lights, triangulate,
 };
 use firstbounce_capture::set::{Colour, Light, Shot, Subject};
 use firstbounce_core::mesh::MeshOptions;
@@ -25,6 +27,8 @@ pub struct Loaded {
     pub object: Result<ObjectPhotos, String>,
     /// The object's mean light and its noise; empty where there is no object.
     pub levels: ObjectLevels,
+    /// The balls' photos, so that a typed value or a moved circle reads no file again.
+    balls: Arc<Mutex<BallPhotos>>,
     /// What a person should know of the files.
     pub warnings: Vec<String>,
 }
@@ -66,6 +70,7 @@ pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
     let right = set.check().is_empty();
     let object = if right { load_object(set, job).map_err(line) } else { Err("the set has errors".into()) };
     let mut warnings = object.as_ref().map(|object| object.warnings.clone()).unwrap_or_default();
+    let balls = load_balls(set, right, job, &mut warnings)?;
     let mut shots = Vec::with_capacity(set.shots.len());
     for (index, shot) in set.shots.iter().enumerate() {
         if job.is_cancelled() {
@@ -73,7 +78,8 @@ pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
         }
         Watch::progress(job, index as f32 / set.shots.len() as f32);
         let name = ShotName::of(shot);
-        let known = object.as_ref().ok().and_then(|object| object_photo(set, object, shot));
+        let of_object = || object.as_ref().ok().and_then(|object| object_photo(set, object, shot));
+        let known = of_object().or_else(|| ball_photo(set, &balls, shot));
         let photo = match known {
             Some(photo) => Ok(photo),
             None => load_shot(set, shot, job).map(|(photo, said)| {
@@ -87,7 +93,30 @@ pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
     warnings.sort();
     warnings.dedup();
     let levels = object.as_ref().map(|object| ObjectLevels::of(set, object)).unwrap_or_default();
-    Ok(Loaded { shots, object, levels, warnings })
+    Ok(Loaded { shots, object, levels, balls: Arc::new(Mutex::new(balls)), warnings })
+}
+
+/// The photos of the balls that have shots of their own. Where one of a ball's photos cannot be read, every shot of it is
+/// left to tell by itself what is wrong with it.
+fn load_balls(set: &CaptureSet, right: bool, job: &Job, warnings: &mut Vec<String>) -> Result<BallPhotos, String> {
+    let mut balls = BallPhotos::default();
+    for subject in set.subjects().into_iter().filter(|subject| right && subject.sphere_kind().is_some()) {
+        match load_subject(set, subject, job) {
+            Ok(photos) => {
+                warnings.extend_from_slice(&photos.warnings);
+                balls.put(subject, Arc::new(photos));
+            }
+            Err(PipelineError::Cancelled) => return Err(line(PipelineError::Cancelled)),
+            Err(_) => {}
+        }
+    }
+    Ok(balls)
+}
+
+fn ball_photo(set: &CaptureSet, balls: &BallPhotos, shot: &Shot) -> Option<Photo> {
+    let light = shot.light.as_deref().and_then(|name| set.light_index(name)).unwrap_or_default();
+    let colour = shot.colour.as_deref().and_then(|name| set.colour_index(name));
+    balls.of(shot.subject)?.photo(light, colour).cloned()
 }
 
 fn object_photo(set: &CaptureSet, object: &ObjectPhotos, shot: &Shot) -> Option<Photo> {
@@ -118,20 +147,23 @@ fn load_shot(set: &CaptureSet, shot: &Shot, job: &Job) -> Result<(Photo, Vec<Str
     Ok((photo, photos.warnings))
 }
 
-pub fn measure(set: &CaptureSet, job: &Job) -> Result<Calibration, String> {
-    Ok(named(set, calibrate(set, Preference::Balls, job).map_err(line)?))
-}
-
-pub fn calibrate_file(set: &CaptureSet, job: &Job) -> Result<Calibration, String> {
-    Ok(named(set, calibrate(set, Preference::File, job).map_err(line)?))
-}
-
-fn named(set: &CaptureSet, calibrated: Calibrated) -> Calibration {
-    Calibration {
+/// The rig by the balls, or by the file first.
+pub fn calibration(
+    set: &CaptureSet,
+    preference: Preference,
+    loaded: &Loaded,
+    job: &Job,
+) -> Result<Calibration, String> {
+    let photos = {
+        let mut kept = loaded.balls.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.load_missing(set, preference, job).map_err(line)?;
+        kept.clone()
+    };
+    Ok(Calibration {
         lights: set.lights.iter().map(|light| light.name.clone()).collect(),
         colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
-        calibrated,
-    }
+        calibrated: calibrate_on(set, preference, &photos).map_err(line)?,
+    })
 }
 
 pub fn separate(

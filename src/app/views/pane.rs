@@ -1,13 +1,16 @@
 //! One view: its tool bar, its canvas, and what panels draw over it.
 
-use eframe::egui::{DragValue, RichText, Ui};
+use eframe::egui::{Align2, Color32, Rect, RichText, TextStyle, Ui, vec2};
+use firstbounce_core::photo::{CLIPPED, DARK};
+use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::picture::{Picture, picture};
-use super::{Arrange, Hover, View, picker};
+use super::{Arrange, Hover, Shown, View, picker};
 use crate::app::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
+use crate::app::number_field::up_to;
 use crate::app::panels::{Over, Panels};
 use crate::app::session::Session;
-use crate::gpu::ColourMap;
+use crate::gpu::{ColourMap, Display};
 
 pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Panels) {
     ui.push_id(view.id, |ui| {
@@ -49,7 +52,7 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
         ui.toggle_value(&mut view.wipe, "Wipe")
             .on_hover_text("A line divides the two; without it, hold B to see the other");
         if ui.button("Difference").on_hover_text("Shows this picture minus the other").clicked() {
-            view.shown = super::Shown::Difference(Box::new(view.shown.clone()), Box::new(other));
+            view.shown = Shown::Difference(Box::new(view.shown.clone()), Box::new(other));
             view.against = None;
             view.look = Default::default();
         }
@@ -82,7 +85,7 @@ fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
         ui.horizontal(|ui| {
             for (end, name) in ends.iter_mut().zip(["Low end", "High end"]) {
                 let label = ui.label(name);
-                ui.add(DragValue::new(end).speed(speed).max_decimals(5)).labelled_by(label.id);
+                ui.add(up_to(end, 5).speed(speed)).labelled_by(label.id);
             }
         });
     });
@@ -92,13 +95,13 @@ fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
 fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
     let look = &mut view.look;
     let exposure = ui.label("Exposure");
-    ui.add(DragValue::new(&mut look.exposure_stops).speed(0.05).range(-20.0..=20.0).suffix(" stops"))
+    ui.add(up_to(&mut look.exposure_stops, 2).speed(0.05).range(-20.0..=20.0).suffix(" stops"))
         .labelled_by(exposure.id);
     let mut gamma = look.gamma.unwrap_or(2.2);
     ui.horizontal(|ui| {
         let mut own = look.gamma.is_some();
         ui.checkbox(&mut own, "Gamma instead of the sRGB curve");
-        ui.add_enabled(own, DragValue::new(&mut gamma).speed(0.02).range(0.2..=5.0).prefix("gamma "));
+        ui.add_enabled(own, up_to(&mut gamma, 2).speed(0.02).range(0.2..=5.0).prefix("gamma "));
         look.gamma = own.then_some(gamma);
     });
     ui.separator();
@@ -116,6 +119,61 @@ fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
     if ui.button("Reset colours").clicked() {
         *look = Default::default();
     }
+}
+
+/// Says on the canvas, and to screen readers, which of two pictures is seen where.
+fn compared(ui: &Ui, view: &View, response: &CanvasResponse) {
+    let Some(other) = &view.against else { return };
+    let (own, other) = (view.shown.title(), other.title());
+    let canvas = response.transform.rect.shrink(6.0);
+    let words = match (response.shows_other, view.wipe) {
+        (true, _) => {
+            caption(ui, canvas, Align2::CENTER_TOP, &format!("B is held: {other}"));
+            format!("Shows {other}")
+        }
+        (false, true) => {
+            caption(ui, canvas, Align2::LEFT_TOP, &own);
+            caption(ui, canvas, Align2::RIGHT_TOP, &other);
+            format!("Left of the line {own}, right of the line {other}")
+        }
+        (false, false) => {
+            caption(ui, canvas, Align2::CENTER_TOP, &format!("Hold B for {other}"));
+            format!("B, held, shows the other: {other}")
+        }
+    };
+    ui.ctx().accesskit_node_builder(response.response.id, |node| node.set_description(words));
+}
+
+/// What the tints of marked pixels mean.
+fn tints(ui: &Ui, view: &View, display: &Display, canvas: Rect) {
+    let marks: &[(u8, &str)] = match view.shown {
+        Shown::Photo(_) | Shown::Bounce { .. } => &[(CLIPPED, "clipped"), (DARK, "dark")],
+        Shown::Marks { .. } => {
+            &[(CLIPPED, "clipped"), (DARK, "dark"), (UNSOLVED, "too few colours left"), (OUTSIDE, "outside")]
+        }
+        _ => return,
+    };
+    let tint = |mark: u8| display.tints[mark.trailing_zeros() as usize % display.tints.len()];
+    let mut corner = canvas.shrink(8.0).left_bottom();
+    for (mark, words) in marks.iter().rev().filter(|(mark, _)| tint(*mark).strength > 0.0) {
+        let [red, green, blue] = tint(*mark).colour;
+        let line = Rect::from_min_max(corner - vec2(0.0, 18.0), corner + vec2(canvas.width() / 2.0, 0.0));
+        let plate = caption(ui, line, Align2::LEFT_BOTTOM, &format!("     {words}"));
+        let swatch = Rect::from_center_size(plate.left_center() + vec2(11.0, 0.0), vec2(9.0, 9.0));
+        ui.painter_at(canvas).rect_filled(swatch, 2.0, Color32::from_rgb(red, green, blue));
+        corner.y -= plate.height() + 2.0;
+    }
+}
+
+/// Words on a plate of their own: legible on any picture, in either theme.
+fn caption(ui: &Ui, canvas: Rect, corner: Align2, words: &str) -> Rect {
+    let font = TextStyle::Small.resolve(ui.style());
+    let painter = ui.painter_at(canvas);
+    let text = painter.layout_no_wrap(words.to_owned(), font, Color32::from_gray(235));
+    let plate = corner.align_size_within_rect(text.size() + vec2(10.0, 4.0), canvas);
+    painter.rect_filled(plate, 3.0, Color32::from_black_alpha(200));
+    painter.galley(plate.min + vec2(5.0, 2.0), text, Color32::WHITE);
+    plate
 }
 
 fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, panels: &mut Panels) {
@@ -160,6 +218,10 @@ fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, 
             eframe::egui::TextStyle::Small.resolve(ui.style()),
             ui.visuals().warn_fg_color,
         );
+    }
+    match &other {
+        Some(_) => compared(ui, view, &response),
+        None => tints(ui, view, &display, response.transform.rect),
     }
     panels.overlay(ui, &Over { shown: &view.shown, picture: shown, canvas: &response }, session);
 }

@@ -6,7 +6,7 @@ use super::frame_times::FrameTimes;
 use crate::app::commands::{HelpSheet, Palette};
 use crate::app::dialogs::Choose;
 use crate::app::path_field::PathField;
-use crate::app::session::Session;
+use crate::app::session::{Open, Session};
 
 /// What is open around the panels.
 pub struct Chrome {
@@ -31,9 +31,12 @@ pub struct Chrome {
 }
 
 /// What waits for an answer about unsaved edits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 enum Leaving {
+    /// For the start screen.
     Set,
+    /// For another set.
+    For(Open),
     Program,
 }
 
@@ -62,6 +65,15 @@ impl Chrome {
             self.leaving = Some(Leaving::Set);
         } else {
             session.leave();
+        }
+    }
+
+    /// Opens a set in place of the one that is open, after asking about unsaved edits.
+    pub fn open_set(&mut self, session: &mut Session, open: Open) {
+        if session.is_open() && session.editor.is_dirty() {
+            self.leaving = Some(Leaving::For(open));
+        } else {
+            session.open(open);
         }
     }
 
@@ -137,7 +149,9 @@ impl Chrome {
     }
 
     fn ask_about_unsaved(&mut self, context: &Context, session: &mut Session) {
-        let Some(leaving) = self.leaving else { return };
+        if self.leaving.is_none() {
+            return;
+        }
         let mut answer = None;
         let modal = Modal::new(Id::unique("unsaved")).show(context, |ui| {
             ui.heading(format!("Save the changes to {}?", session.document().set.title()));
@@ -158,14 +172,14 @@ impl Chrome {
             answer = Some(false);
         }
         let Some(leave) = answer else { return };
-        self.leaving = None;
-        match leaving {
-            Leaving::Set if leave => session.leave(),
-            Leaving::Program if leave => {
+        match self.leaving.take().filter(|_| leave) {
+            Some(Leaving::Set) => session.leave(),
+            Some(Leaving::For(open)) => session.open(open),
+            Some(Leaving::Program) => {
                 self.may_close = true;
                 context.send_viewport_cmd(ViewportCommand::Close);
             }
-            _ => {}
+            None => {}
         }
     }
 }

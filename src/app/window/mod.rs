@@ -156,7 +156,7 @@ impl Window {
         match paths.as_slice() {
             [] => {}
             [set] if set.join("capture.toml").is_file() || set.ends_with("capture.toml") => {
-                self.open(Open::Set(set.clone()));
+                self.chrome.open_set(&mut self.session, Open::Set(set.clone()));
             }
             _ if self.session.is_open() => self.panels.dropped(paths, &mut self.session),
             [folder] if folder.is_dir() => {
@@ -186,6 +186,7 @@ impl Window {
             SidePanel::left("steps").default_size(340.0).size_range(220.0..=640.0).show(ui, |ui| {
                 steps::ui(ui, session);
                 ui.separator();
+                steps::next(ui, session);
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     let panel = session.panel;
                     ui.push_id(panel.title(), |ui| panels.of(panel).ui(ui, session));
@@ -239,6 +240,7 @@ impl App for Window {
         self.chrome.dialogs(&context, &mut self.session);
         self.session.log.show_toasts(&context);
         self.run_requested(&context, vec![by_keys, by_menu, by_palette]);
+        self.begin_panels();
     }
 
     fn on_exit(&mut self) {

@@ -1,6 +1,6 @@
 //! The five steps and how each stands: a path, any of whose steps can be opened at any time.
 
-use eframe::egui::{Color32, RichText, Ui};
+use eframe::egui::{Color32, Panel, RichText, Ui};
 
 use crate::app::panels::PanelName;
 use crate::app::results::StageState;
@@ -28,6 +28,25 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
             told = line;
         }
     }
+}
+
+/// Below the open step: what to look at in it, and the way to the next.
+pub fn next(ui: &mut Ui, session: &mut Session) {
+    let (look_at, next) = match session.panel {
+        PanelName::Captures => ("No photo should be clipped, and few pixels dark.", PanelName::Calibrate),
+        PanelName::Calibrate => ("Circles on the balls' edges, highlights on the lamps, every value good.", PanelName::Separate),
+        PanelName::Separate => ("The order m whose verdict you can live with.", PanelName::Shape),
+        PanelName::Shape => ("The surface before and after.", PanelName::Export),
+        PanelName::Export => return,
+    };
+    Panel::bottom("next step").show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            if ui.button(format!("Next: {}", next.title())).clicked() {
+                session.panel = next;
+            }
+            ui.label(RichText::new(look_at).small());
+        });
+    });
 }
 
 fn words(state: &StageState, ui: &Ui) -> (String, Color32) {

@@ -7,6 +7,8 @@ use eframe::egui::{Button, ComboBox, Key, PopupCloseBehavior, RichText, Role, Te
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::set::{Became, GuessOptions, Pattern, Subject, Word, add_files, assign, propose};
 
+use super::in_order::InOrder;
+use crate::app::panels::part::part;
 use crate::app::session::Session;
 
 /// Files that a person dropped, before they are the set's.
@@ -16,6 +18,7 @@ pub struct Incoming {
     subject: Subject,
     rgb: bool,
     by_hand: HashMap<PathBuf, Hand>,
+    in_order: Option<InOrder>,
 }
 
 /// What a person says that a file is.
@@ -41,7 +44,7 @@ impl Incoming {
         let useful = proposed.filter(|pattern| pattern.names_colour() || pattern.names_subject());
         let rgb = rgb && useful.is_some();
         let pattern = useful.map_or_else(|| "{light}-{colour}".to_owned(), |pattern| pattern.to_string());
-        Self { files, pattern, subject: Subject::Object, rgb, by_hand: HashMap::new() }
+        Self { files, pattern, subject: Subject::Object, rgb, by_hand: HashMap::new(), in_order: None }
     }
 
     pub fn take_more(&mut self, files: Vec<PathBuf>) {
@@ -78,13 +81,26 @@ impl Incoming {
         let unassigned = previews.len() - assigned;
         if unassigned > 0 {
             ui.label(format!("{unassigned} files do not say what they are: change the pattern, or say it below."));
+            part(ui, "in order", |ui| self.order(ui, &document.set, &previews));
         }
         for (index, preview) in previews.iter().enumerate() {
             if let Some(file) = self.files.get(index).cloned() {
-                self.row(ui, &document.set, &file, preview);
+                part(ui, &file, |ui| self.row(ui, &document.set, &file, preview));
             }
         }
         done
+    }
+
+    /// Says at once of all files that are not assigned what they are, by their order.
+    fn order(&mut self, ui: &mut Ui, set: &CaptureSet, previews: &[Preview]) {
+        let open = self.files.iter().zip(previews).filter(|(_, preview)| matches!(preview, Preview::Unassigned(_)));
+        let open: Vec<_> = open.map(|(file, _)| file.clone()).collect();
+        let in_order = self.in_order.get_or_insert_with(|| InOrder::new(set));
+        let said = ui.collapsing("By the order in which they were taken", |ui| in_order.ui(ui, open.len())).body_returned;
+        let subject = in_order.subject;
+        for (file, (light, colour)) in open.into_iter().zip(said.flatten().unwrap_or_default()) {
+            self.by_hand.insert(file, Hand { subject, light, colour });
+        }
     }
 
     /// The pattern field and what goes with it; `None` while it is no pattern.

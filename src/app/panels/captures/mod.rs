@@ -1,6 +1,7 @@
 //! Which photo is which: subject, light and colour of every file, how well each is exposed, and the object's mask.
 
 mod camera;
+mod in_order;
 mod incoming;
 mod mask;
 mod names;

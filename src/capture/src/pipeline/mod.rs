@@ -14,7 +14,8 @@ mod truth;
 mod watch;
 
 pub use calibrate::{
-    BallCircle, Calibrated, Known, Preference, RatioEvidence, Source, Verdict, calibrate, calibrate_for,
+    BallCircle, BallPhotos, Calibrated, Known, Preference, RatioEvidence, Source, Verdict, calibrate, calibrate_for,
+    calibrate_on,
 };
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;

@@ -238,6 +238,8 @@ fn figure(caption: &str, address: &str) -> Markup {
 /// Three significant digits or more, never an exponent for what a person meets daily.
 pub(super) fn number(value: f64) -> String {
     match value.abs() {
+        // A percentage of a bounce 1 that comes out negative.
+        size if !size.is_finite() => "none".into(),
         0.0 => "0".into(),
         size if size >= 100.0 => format!("{value:.0}"),
         size if size >= 1.0 => format!("{value:.2}"),

@@ -9,9 +9,10 @@ use firstbounce_core::ball::CircleReport;
 use firstbounce_core::calibrate::{BallPixels, Highlight, HighlightReport, RatioReport};
 use firstbounce_core::interval::Estimate;
 
-use super::{PipelineError, PipelineWatch};
+use super::{PipelineError, PipelineWatch, Stage};
 use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
 
+pub use balls::BallPhotos;
 pub use verdict::Verdict;
 
 /// Where a value comes from.
@@ -215,7 +216,19 @@ pub fn calibrate(
     preference: Preference,
     watch: &dyn PipelineWatch,
 ) -> Result<Calibrated, PipelineError> {
-    measure::Measuring::new(set, preference, watch)?.run()
+    let mut photos = BallPhotos::default();
+    photos.load_missing(set, preference, watch)?;
+    watch.progress(Stage::Calibrate, 0.5);
+    calibrate_on(set, preference, &photos)
+}
+
+/// The same on photos of the balls that were read before.
+pub fn calibrate_on(
+    set: &CaptureSet,
+    preference: Preference,
+    photos: &BallPhotos,
+) -> Result<Calibrated, PipelineError> {
+    measure::Measuring::new(set, preference, photos)?.run()
 }
 
 /// Calibrates a set for the separation of `bounces` bounces, and makes sure that its colours can tell them apart.
