@@ -96,7 +96,8 @@ impl Incoming {
         let open = self.files.iter().zip(previews).filter(|(_, preview)| matches!(preview, Preview::Unassigned(_)));
         let open: Vec<_> = open.map(|(file, _)| file.clone()).collect();
         let in_order = self.in_order.get_or_insert_with(|| InOrder::new(set));
-        let said = ui.collapsing("By the order in which they were taken", |ui| in_order.ui(ui, open.len())).body_returned;
+        let said =
+            ui.collapsing("By the order in which they were taken", |ui| in_order.ui(ui, open.len())).body_returned;
         let subject = in_order.subject;
         for (file, (light, colour)) in open.into_iter().zip(said.flatten().unwrap_or_default()) {
             self.by_hand.insert(file, Hand { subject, light, colour });

@@ -4,7 +4,6 @@ use eframe::egui::{Color32, DragValue, Grid, RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use firstbounce_capture::pipeline::NayarErrors;
 
-use super::lower_first;
 use crate::app::document::Document;
 use crate::app::results::{ByNayar, StageState, Step, When};
 use crate::app::session::Session;
@@ -179,4 +178,10 @@ fn pictures(ui: &mut Ui, session: &mut Session, document: &Document) {
 fn upper_first(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Names keep their capitals.
+fn lower_first(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }
