@@ -33,7 +33,9 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
 pub fn next(ui: &mut Ui, session: &mut Session) {
     let (look_at, next) = match session.panel {
         PanelName::Captures => ("No photo should be clipped, and few pixels dark.", PanelName::Calibrate),
-        PanelName::Calibrate => ("Circles on the balls' edges, highlights on the lamps, every value good.", PanelName::Separate),
+        PanelName::Calibrate => {
+            ("Circles on the balls' edges, highlights on the lamps, every value good.", PanelName::Separate)
+        }
         PanelName::Separate => ("The order m whose verdict you can live with.", PanelName::Shape),
         PanelName::Shape => ("The surface before and after.", PanelName::Export),
         PanelName::Export => return,

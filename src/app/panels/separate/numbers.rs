@@ -23,7 +23,8 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
         let (noise, quiet) = (worst(&|light| light.noise_percent), worst(&|light| light.quiet_noise_percent));
         let words = |value| percent(value).map_or(NEGATIVE.into(), |percent| format!("{percent} of it"));
         row(ui, "Noise of bounce 1", &words(noise), "Of a pixel of mean light, as bounce 1 is saved");
-        let averaged = "The same once the noise of indirect light is averaged over a few pixels: normals are made of this";
+        let averaged =
+            "The same once the noise of indirect light is averaged over a few pixels: normals are made of this";
         row(ui, "... averaged", &words(quiet), averaged);
         let calibration = worst(&|light| light.calibration_percent);
         row(
