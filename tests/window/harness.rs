@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{DroppedFile, Key, Modifiers, Pos2, Vec2};
+use eframe::egui::{DroppedFile, Event, Key, Modifiers, Pos2, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, HarnessBuilder};
 use firstbounce::app::canvas::View;
@@ -123,6 +123,15 @@ impl Hands {
         self.steps();
     }
 
+    /// To the next control, or with Shift to the one before.
+    pub fn tab(&mut self, modifiers: Modifiers) {
+        for pressed in [true, false] {
+            let (key, physical_key, repeat) = (Key::Tab, None, false);
+            self.harness.input_mut().events.push(Event::Key { key, physical_key, pressed, repeat, modifiers });
+        }
+        self.harness.run_steps(2);
+    }
+
     pub fn click_button(&mut self, label: &str) {
         self.harness.get_by_role_and_label(Role::Button, label).click();
         self.steps();
@@ -172,22 +181,6 @@ impl Hands {
         self.harness.drag_at(at);
         self.steps();
         self.harness.drop_at(at);
-        self.steps();
-    }
-
-    /// Drags over a picture from pixel to pixel.
-    pub fn drag_picture(&mut self, name: &str, size: (usize, usize), path_px: &[[f64; 2]]) {
-        let path: Vec<_> = path_px.iter().map(|at_px| self.on_picture(name, size, *at_px)).collect();
-        let (first, last) = (path[0], path[path.len() - 1]);
-        self.harness.hover_at(first);
-        self.steps();
-        self.harness.drag_at(first);
-        self.steps();
-        for at in path {
-            self.harness.hover_at(at);
-            self.steps();
-        }
-        self.harness.drop_at(last);
         self.steps();
     }
 

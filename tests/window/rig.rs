@@ -91,6 +91,7 @@ fn a_typed_beta_wins_is_judged_at_once_and_goes_back_to_what_was_measured() {
     assert_eq!(hands.session().document().set.calibration.beta, Some(vec![1.0, 0.97]));
     assert!(hands.sees("do not trust"), "at once");
     assert!(hands.sees("times the noise of a photo"));
+    hands.rest();
     hands.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(hands.session().document().set.calibration.beta, None);
     assert!(!hands.sees("do not trust"));

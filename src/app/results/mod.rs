@@ -43,6 +43,15 @@ pub struct Calibration {
     pub colours: Vec<String>,
     /// The values.
     pub calibrated: Calibrated,
+    /// What the file gave when they were measured.
+    given: Given,
+}
+
+/// What a set's file gives of a rig.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Given {
+    values: firstbounce_capture::set::Calibration,
+    lights: Vec<firstbounce_capture::set::Light>,
 }
 
 /// Before and after as triangles.

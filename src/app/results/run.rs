@@ -14,7 +14,7 @@ use firstbounce_core::trust::{Trust, TrustOptions};
 use firstbounce_core::{AngularError, Photo, Watch};
 
 use super::pictures::{ShotName, range_of};
-use super::{Calibration, Meshes};
+use super::{Calibration, Given, Meshes};
 use crate::app::document::Document;
 use crate::app::jobs::Job;
 
@@ -163,6 +163,7 @@ pub fn calibration(
         lights: set.lights.iter().map(|light| light.name.clone()).collect(),
         colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
         calibrated: calibrate_on(set, preference, &photos).map_err(line)?,
+        given: Given { values: set.calibration.clone(), lights: set.lights.clone() },
     })
 }
 

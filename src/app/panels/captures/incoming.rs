@@ -55,7 +55,7 @@ impl Incoming {
     /// Shows the files; whether they are done with.
     pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
         let document = session.document();
-        ui.label(RichText::new(format!("{} files to add", self.files.len())).strong());
+        ui.label(RichText::new(format!("{} to add", count_of(self.files.len()))).strong());
         let options = self.options(ui);
         let mut after = document.set.clone();
         let previews = self.apply(&mut after, options.as_ref());
@@ -63,14 +63,14 @@ impl Incoming {
 
         let mut done = false;
         ui.horizontal_wrapped(|ui| {
-            let text = format!("Add {assigned} files");
+            let text = format!("Add {}", count_of(assigned));
             if ui.add_enabled(assigned > 0, Button::new(text)).clicked() {
                 session.edit("Add photos", |document| document.set = after.clone());
                 let left = previews.len() - assigned;
                 if left == 0 {
-                    session.done(format!("Added {assigned} files"));
+                    session.done(format!("Added {}", count_of(assigned)));
                 } else {
-                    session.warn(format!("Added {assigned} files; {left} are not assigned yet"));
+                    session.warn(format!("Added {}; {left} not assigned yet", count_of(assigned)));
                 }
                 let mut kept = previews.iter().map(|preview| matches!(preview, Preview::Unassigned(_)));
                 self.files.retain(|_| kept.next().unwrap_or(false));
@@ -80,7 +80,8 @@ impl Incoming {
         });
         let unassigned = previews.len() - assigned;
         if unassigned > 0 {
-            ui.label(format!("{unassigned} files do not say what they are: change the pattern, or say it below."));
+            let words = if unassigned == 1 { "does not say what it is" } else { "do not say what they are" };
+            ui.label(format!("{} {words}: change the pattern, or say it below.", count_of(unassigned)));
             part(ui, "in order", |ui| self.order(ui, &document.set, &previews));
         }
         for (index, preview) in previews.iter().enumerate() {
@@ -184,6 +185,11 @@ impl Incoming {
     fn typed<'a>(&'a self, name: fn(&'a Hand) -> &'a String) -> impl Iterator<Item = &'a str> {
         self.files.iter().filter_map(|file| self.by_hand.get(file)).map(move |hand| name(hand).as_str())
     }
+}
+
+/// "1 file", "6 files"
+fn count_of(files: usize) -> String {
+    if files == 1 { "1 file".into() } else { format!("{files} files") }
 }
 
 fn by_hand(set: &mut CaptureSet, file: &Path, hand: &Hand) -> Preview {
