@@ -4,6 +4,7 @@
 
 pub mod canvas;
 pub mod commands;
+mod device;
 pub mod dialogs;
 pub mod document;
 pub mod jobs;

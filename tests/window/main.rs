@@ -16,4 +16,5 @@ mod rig;
 mod screenshots;
 mod separate;
 mod start;
+mod views;
 mod whole;

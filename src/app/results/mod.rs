@@ -16,7 +16,7 @@ use firstbounce_capture::pipeline::{Calibrated, Preference, Separated};
 use firstbounce_core::Mesh;
 
 use super::document::Document;
-use super::jobs::{Jobs, Task};
+use super::jobs::{Jobs, Task, drop_aside};
 use super::log::Level;
 
 pub use finished::Finished;
@@ -196,7 +196,8 @@ impl Results {
         if let Some(running) = &self.running {
             running.task.job().cancel();
         }
-        *self = Self { reloads: self.reloads + 1, ..Self::default() };
+        let reloads = self.reloads + 1;
+        drop_aside(std::mem::replace(self, Self { reloads, ..Self::default() }));
     }
 
     /// Takes what is finished and starts what is stale. Once a frame; `log` is told of every stage that ended.
@@ -322,6 +323,7 @@ impl Results {
         let cancelled = running.task.job().is_cancelled();
         let Some(Running { step, keys, superseded, .. }) = self.running.take() else { return };
         if superseded {
+            drop_aside(outcome);
             return;
         }
         let outcome = match outcome {

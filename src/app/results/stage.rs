@@ -3,6 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::app::jobs::drop_aside;
+
 /// The stages, in the order in which they run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Step {
@@ -106,7 +108,7 @@ impl<K, T> Default for Slot<K, T> {
     }
 }
 
-impl<K: PartialEq, T> Slot<K, T> {
+impl<K: PartialEq, T: Send + Sync + 'static> Slot<K, T> {
     /// `None`: it cannot be tried.
     pub fn is_stale(&self, wanted: Option<&K>) -> bool {
         wanted.is_some() && self.tried.as_ref() != wanted
@@ -137,7 +139,7 @@ impl<K: PartialEq, T> Slot<K, T> {
         self.tried = Some(key);
         match result {
             Ok(result) => {
-                self.last = Some(Arc::new(result));
+                drop_aside(self.last.replace(Arc::new(result)));
                 self.generation += 1;
                 self.error = None;
             }

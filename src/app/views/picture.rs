@@ -5,7 +5,7 @@ use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::Shown;
 use crate::app::document::Document;
-use crate::app::results::{MarksName, PlaneName, Results, ShotName, Stored};
+use crate::app::results::{MarksName, PlaneName, Results, ShotName, Stored, When};
 use crate::gpu::{ColourMap, Display, Layer, Source, Tint};
 
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
@@ -106,11 +106,19 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             let quantity = if has_scale(&document.set) { "Depth toward the camera, mm" } else { "Depth, pixels" };
             Ok(value(stored(PlaneName::Depth(*when))?, ColourMap::Viridis, quantity, &masked))
         }
+        Shown::Difference(a, b) if are_normals(a, b) => {
+            let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
+            Ok(value(turned, ColourMap::Viridis, "Angle between the normals, degrees", &masked))
+        }
         Shown::Difference(a, b) => {
             let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
             let source = Source::difference(first, second).map_err(|error| error.to_string())?;
             let largest = picture(a, document, results)?.display.range[1].abs() / 4.0;
-            Ok(Picture { source: masked(source), display: Display::signed(largest), quantity: "Difference" })
+            Ok(Picture {
+                source: masked(source),
+                display: Display::signed(largest),
+                quantity: difference_of(a, document),
+            })
         }
     }
 }
@@ -136,6 +144,43 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
             Err(format!("{} has more than one value a pixel: choose another picture", shown.title()))
         }
     }
+}
+
+/// What a difference is of, with its unit.
+fn difference_of(a: &Shown, document: &Document) -> &'static str {
+    match (a, has_scale(&document.set)) {
+        (Shown::Depth(_), true) => "Difference of depth, mm",
+        (Shown::Depth(_), false) => "Difference of depth, pixels",
+        (Shown::NormalNoise(_), _) => "Difference of noise, degrees",
+        (Shown::Albedo(_), _) => "Difference of albedo",
+        _ => "Difference of linear light",
+    }
+}
+
+/// The unit of a difference's numbers, after a space; empty where they have none.
+pub fn unit_of_difference(a: &Shown, document: &Document) -> &'static str {
+    match (a, has_scale(&document.set)) {
+        (Shown::Depth(_), true) => " mm",
+        (Shown::Depth(_), false) => " pixels",
+        (Shown::Normals(_) | Shown::NormalNoise(_), _) => " degrees",
+        _ => "",
+    }
+}
+
+/// The two sides of a difference: what is shown is the first minus the second.
+pub fn sides(a: &Shown, b: &Shown, document: &Document, results: &Results) -> Result<[Layer; 2], String> {
+    if are_normals(a, b) {
+        let turned = results.pictures().plane(&PlaneName::Turned);
+        let missing = || not_yet(&Shown::Normals(When::After), document, results);
+        let turned = Layer::from(turned.ok_or_else(missing)?.plane.clone());
+        return Ok([turned.clone(), turned.amplified(0.0)]);
+    }
+    Ok([layer(a, document, results)?, layer(b, document, results)?])
+}
+
+/// Directions differ by an angle.
+fn are_normals(a: &Shown, b: &Shown) -> bool {
+    matches!((a, b), (Shown::Normals(a), Shown::Normals(b)) if a != b)
 }
 
 /// Bounce k of a light as weights on its photos.

@@ -93,7 +93,10 @@ impl Shown {
             Self::Albedo(when) => format!("Albedo {}", when_words(*when)),
             Self::NormalNoise(when) => format!("Noise of the normals {}", when_words(*when)),
             Self::Depth(when) => format!("Depth {}", when_words(*when)),
-            Self::Difference(a, b) => format!("{} minus {}", a.title(), b.title()),
+            Self::Difference(a, b) => match (&**a, &**b) {
+                (Self::Normals(_), Self::Normals(_)) => format!("Angle between {} and {}", a.title(), b.title()),
+                _ => format!("{} minus {}", a.title(), b.title()),
+            },
         }
     }
 
