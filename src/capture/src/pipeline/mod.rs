@@ -1,6 +1,7 @@
 //! From a capture set to a mesh, stage by stage; the command line and the window run the same stages.
 
 mod calibrate;
+mod compare;
 mod cost;
 mod error;
 mod evaluate;
@@ -15,6 +16,7 @@ mod watch;
 pub use calibrate::{
     BallCircle, Calibrated, Known, Preference, RatioEvidence, Source, Verdict, calibrate, calibrate_for,
 };
+pub use compare::{Compared, Laying, ReferenceError, alignment_warnings, compare_meshes, read_comparable};
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, NormalErrors, evaluate};
