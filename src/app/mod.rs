@@ -12,9 +12,11 @@ pub mod log;
 pub mod panels;
 pub mod path_field;
 pub mod preferences;
+pub mod reference;
 pub mod results;
 pub mod session;
 mod start;
+pub mod surface;
 pub mod views;
 pub mod window;
 

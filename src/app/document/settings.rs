@@ -6,12 +6,16 @@ use firstbounce_core::normals::NormalsOptions;
 use firstbounce_core::shape::ShapeOptions;
 use serde::{Deserialize, Serialize};
 
+use super::reference::ReferenceSettings;
+
 /// How the window solves a set.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
     /// From bounce 1 to the surface.
     pub shape: ShapeSettings,
+    /// The scan that the surface is compared with.
+    pub reference: Option<ReferenceSettings>,
 }
 
 /// How the surface is recovered; the defaults are those of the command line.

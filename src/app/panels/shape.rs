@@ -5,6 +5,7 @@ use firstbounce_capture::pipeline::{Evaluation, evaluate};
 use firstbounce_core::shape::Shape;
 
 use super::Panel;
+use super::reference::ReferencePanel;
 use crate::app::document::{Document, ShapeSettings};
 use crate::app::jobs::Task;
 use crate::app::results::{Shapes, StageState, Step, When};
@@ -21,6 +22,7 @@ pub struct ShapePanel {
     evaluating: Option<Task<Evaluation>>,
     /// What the truth said, and of which document.
     evaluated: Option<(std::sync::Arc<Document>, Result<Evaluation, String>)>,
+    reference: ReferencePanel,
 }
 
 impl Panel for ShapePanel {
@@ -38,9 +40,11 @@ impl Panel for ShapePanel {
             StageState::Ready => {}
         }
         if let Some(shapes) = session.results.shapes() {
+            in_3d(ui, session);
             before_and_after(ui, session, &shapes);
         }
         self.truth(ui, session, &document);
+        self.reference.ui(ui, session, &document);
     }
 }
 
@@ -118,6 +122,14 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
     if ui.add_enabled(!is_default, Button::new("Back to the command line's defaults")).clicked() {
         session.edit("Reset shape options", |document| document.settings.shape = default);
     }
+}
+
+fn in_3d(ui: &mut Ui, session: &mut Session) {
+    let button = Button::new(RichText::new("Show the surface in 3D").strong().size(15.0));
+    if ui.add_sized([ui.available_width(), 30.0], button).on_hover_text("F7").clicked() {
+        session.views.open(Shown::Surface);
+    }
+    ui.add_space(4.0);
 }
 
 fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {

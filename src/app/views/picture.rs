@@ -98,6 +98,7 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             let quantity = if has_scale(&document.set) { "Depth toward the camera, mm" } else { "Depth, pixels" };
             Ok(value(stored(PlaneName::Depth(*when))?, ColourMap::Viridis, quantity, &masked))
         }
+        Shown::Surface => Err("a surface in 3D is no picture: choose one".into()),
         Shown::Difference(a, b) => {
             let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
             let source = Source::difference(first, second).map_err(|error| error.to_string())?;
@@ -123,7 +124,7 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::Albedo(when) => stored(PlaneName::Albedo(*when)),
         Shown::NormalNoise(when) => stored(PlaneName::NormalNoise(*when)),
         Shown::Depth(when) => stored(PlaneName::Depth(*when)),
-        Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Difference(..) => {
+        Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Surface | Shown::Difference(..) => {
             Err(format!("{} has more than one value a pixel: choose another picture", shown.title()))
         }
     }
@@ -218,6 +219,7 @@ fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
         Shown::Direct { .. } | Shown::Normals(_) | Shown::Albedo(_) | Shown::NormalNoise(_) | Shown::Depth(_) => {
             Step::Shape
         }
+        Shown::Surface => Step::Mesh,
     };
     match results.state(step, document) {
         StageState::Failed { line } | StageState::Blocked { line } => line,

@@ -55,6 +55,8 @@ pub enum Shown {
     NormalNoise(When),
     /// Depth.
     Depth(When),
+    /// Before, after and a reference in 3D.
+    Surface,
     /// One picture of single values minus another.
     Difference(Box<Shown>, Box<Shown>),
 }
@@ -87,6 +89,7 @@ impl Shown {
             Self::Albedo(when) => format!("Albedo {}", when_words(*when)),
             Self::NormalNoise(when) => format!("Noise of the normals {}", when_words(*when)),
             Self::Depth(when) => format!("Depth {}", when_words(*when)),
+            Self::Surface => "Surface in 3D".into(),
             Self::Difference(a, b) => format!("{} minus {}", a.title(), b.title()),
         }
     }
@@ -103,7 +106,7 @@ impl Shown {
             | Self::Marks { light }
             | Self::FigureOne { light } => Some(light),
             Self::Difference(a, _) => a.light(),
-            Self::Normals(_) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) => None,
+            Self::Normals(_) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) | Self::Surface => None,
         }
     }
 

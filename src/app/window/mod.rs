@@ -47,6 +47,7 @@ impl Window {
         let context = creation.egui_ctx.clone();
         if let Some(render_state) = &creation.wgpu_render_state {
             gpu::install(render_state);
+            gpu::mesh::install(render_state);
         }
         // Edges of scroll areas would fade over the canvas, and egui's own zoom would not be remembered.
         context.all_styles_mut(|style| style.spacing.scroll.fade.strength = 0.0);
