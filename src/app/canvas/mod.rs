@@ -14,7 +14,7 @@
 //! after the canvas lies above it.
 
 mod cursor;
-mod legend;
+pub(super) mod legend;
 mod navigation;
 mod overlay;
 mod view;

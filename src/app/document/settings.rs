@@ -7,6 +7,8 @@ use firstbounce_core::normals::NormalsOptions;
 use firstbounce_core::shape::ShapeOptions;
 use serde::{Deserialize, Serialize};
 
+use super::reference::ReferenceSettings;
+
 /// How the window solves a set.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -15,6 +17,8 @@ pub struct Settings {
     pub shape: ShapeSettings,
     /// The other method, for comparison.
     pub nayar: NayarSettings,
+    /// The scan that the surface is compared with.
+    pub reference: Option<ReferenceSettings>,
 }
 
 /// Whether and how the set is also solved by Nayar's method; the numbers' defaults are those of the command line.

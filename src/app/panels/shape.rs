@@ -7,6 +7,7 @@ use firstbounce_capture::pipeline::{Evaluation, Method, SolveOptions, evaluate};
 use firstbounce_core::shape::Shape;
 
 use super::Panel;
+use super::reference::ReferencePanel;
 use crate::app::document::{Document, ShapeSettings};
 use crate::app::jobs::Task;
 use crate::app::number_field;
@@ -24,6 +25,7 @@ pub struct ShapePanel {
     evaluating: Option<Task<Evaluation>>,
     /// What the truth said, and of which document.
     evaluated: Option<(std::sync::Arc<Document>, Result<Evaluation, String>)>,
+    reference: ReferencePanel,
 }
 
 impl Panel for ShapePanel {
@@ -41,6 +43,7 @@ impl Panel for ShapePanel {
             StageState::Ready => {}
         }
         if let Some(shapes) = session.results.shapes() {
+            in_3d(ui, session);
             before_and_after(ui, session, &shapes);
         }
         ui.separator();
@@ -48,6 +51,7 @@ impl Panel for ShapePanel {
         let errors = evaluated.and_then(|(_, evaluation)| evaluation.as_ref().ok()?.nayar.as_ref());
         nayar::ui(ui, session, &document, errors);
         self.truth(ui, session, &document);
+        self.reference.ui(ui, session, &document);
     }
 }
 
@@ -123,6 +127,14 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
     if ui.add_enabled(!is_default, Button::new("Back to the command line's defaults")).clicked() {
         session.edit("Reset shape options", |document| document.settings.shape = default);
     }
+}
+
+fn in_3d(ui: &mut Ui, session: &mut Session) {
+    let button = Button::new(RichText::new("Show the surface in 3D").strong().size(15.0));
+    if ui.add_sized([ui.available_width(), 30.0], button).on_hover_text("F7").clicked() {
+        session.views.open(Shown::Surface);
+    }
+    ui.add_space(4.0);
 }
 
 fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {

@@ -21,6 +21,7 @@ pub use shown::Shown;
 pub use tiles::ui;
 
 use super::canvas::{self, CanvasState};
+use super::surface::SurfaceLook;
 
 /// One view: what it shows and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,6 +38,9 @@ pub struct View {
     pub look: Look,
     /// Whether zoom and pan follow the other linked views.
     pub linked: bool,
+    /// How a surface in 3D is shown.
+    #[serde(default)]
+    pub surface: SurfaceLook,
 }
 
 /// The pixel under the pointer or the keyboard's cursor, and where.
@@ -87,7 +91,15 @@ impl Default for Views {
 impl Views {
     /// One view of one picture.
     pub fn showing(shown: Shown) -> Self {
-        let view = View { id: 0, shown, against: None, wipe: false, look: Look::default(), linked: true };
+        let view = View {
+            id: 0,
+            shown,
+            against: None,
+            wipe: false,
+            look: Look::default(),
+            linked: true,
+            surface: SurfaceLook::default(),
+        };
         Self::of(Tree::new_tabs(Id::unique("views"), vec![view]))
     }
 
@@ -185,6 +197,11 @@ impl Views {
     pub fn fit(&mut self) {
         self.shared = canvas::View::Fit;
         self.canvases.values_mut().for_each(|canvas| canvas.view = canvas::View::Fit);
+        for tile in self.tree.tiles.tiles_mut() {
+            if let egui_tiles::Tile::Pane(view) = tile {
+                view.surface.camera = None;
+            }
+        }
     }
 
     /// A pixel of the screen for every pixel of the picture, in every view.

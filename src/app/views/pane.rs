@@ -10,11 +10,18 @@ use crate::app::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
 use crate::app::number_field::up_to;
 use crate::app::panels::{Over, Panels};
 use crate::app::session::Session;
+use crate::app::surface;
 use crate::gpu::{ColourMap, Display};
 
 pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Panels) {
     ui.push_id(view.id, |ui| {
         ui.horizontal_wrapped(|ui| tools(ui, view, session));
+        if view.shown == Shown::Surface {
+            if surface::ui(ui, view.id, &mut view.surface, session) {
+                session.views.active = Some(view.id);
+            }
+            return;
+        }
         let document = session.document();
         let Session { views, results, jobs, .. } = session;
         if let Some(words) = views.statistics.words(view.id, &view.shown, &document, results, jobs) {
@@ -32,12 +39,22 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Pane
 fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
     let document = session.document();
     ui.menu_button(format!("Picture: {}", view.shown.title()), |ui| {
-        if let Some(chosen) = picker::ui(ui, &document, Some(&view.shown)) {
+        let in_3d = ui.selectable_label(view.shown == Shown::Surface, Shown::Surface.title()).clicked();
+        let chosen = picker::ui(ui, &document, Some(&view.shown)).or(in_3d.then_some(Shown::Surface));
+        if let Some(chosen) = chosen {
             view.shown = chosen;
             view.look = Default::default();
             session.views.active = Some(view.id);
         }
     });
+    if view.shown == Shown::Surface {
+        surface::toolbar(ui, view.id, &mut view.surface, &document, session);
+        ui.menu_button("View", |ui| {
+            surface::eye_menu(ui, view.id, &mut view.surface, session);
+            arrange_menu(ui, view.id, session);
+        });
+        return;
+    }
     let against = view.against.as_ref().map_or("Compare".into(), |other| format!("Compare: {}", other.title()));
     ui.menu_button(against, |ui| {
         if ui.selectable_label(view.against.is_none(), "Nothing").clicked() {
@@ -61,18 +78,22 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
     ui.menu_button("Colours", |ui| look(ui, view, proposal));
     ui.menu_button("View", |ui| {
         ui.checkbox(&mut view.linked, "Zoom and pan with the others");
-        for (name, arrange) in [
-            ("Split right", Arrange::SplitRight),
-            ("Split down", Arrange::SplitDown),
-            ("New tab", Arrange::NewTab),
-            ("Close view", Arrange::Close),
-        ] {
-            if ui.button(name).clicked() {
-                session.views.arrange(view.id, arrange);
-                ui.close();
-            }
-        }
+        arrange_menu(ui, view.id, session);
     });
+}
+
+fn arrange_menu(ui: &mut Ui, id: u64, session: &mut Session) {
+    for (name, arrange) in [
+        ("Split right", Arrange::SplitRight),
+        ("Split down", Arrange::SplitDown),
+        ("New tab", Arrange::NewTab),
+        ("Close view", Arrange::Close),
+    ] {
+        if ui.button(name).clicked() {
+            session.views.arrange(id, arrange);
+            ui.close();
+        }
+    }
 }
 
 /// The values at the two ends of the map: the picture's own, or typed.

@@ -110,6 +110,7 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
             Ok(value(turned, ColourMap::Viridis, "Angle between the normals, degrees", &masked))
         }
+        Shown::Surface => Err("a surface in 3D is no picture: choose one".into()),
         Shown::Difference(a, b) => {
             let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
             let source = Source::difference(first, second).map_err(|error| error.to_string())?;
@@ -140,7 +141,7 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::Albedo(when) => stored(PlaneName::Albedo(*when)),
         Shown::NormalNoise(when) => stored(PlaneName::NormalNoise(*when)),
         Shown::Depth(when) => stored(PlaneName::Depth(*when)),
-        Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Difference(..) => {
+        Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Surface | Shown::Difference(..) => {
             Err(format!("{} has more than one value a pixel: choose another picture", shown.title()))
         }
     }
@@ -276,6 +277,7 @@ fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
         | Shown::Albedo(_)
         | Shown::NormalNoise(_)
         | Shown::Depth(_) => Step::Shape,
+        Shown::Surface => Step::Mesh,
     };
     match results.state(step, document) {
         StageState::Failed { line } | StageState::Blocked { line } => line,

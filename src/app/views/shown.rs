@@ -60,6 +60,8 @@ pub enum Shown {
     NormalNoise(When),
     /// Depth.
     Depth(When),
+    /// Before, after and a reference in 3D.
+    Surface,
     /// One picture of single values minus another.
     Difference(Box<Shown>, Box<Shown>),
 }
@@ -93,6 +95,7 @@ impl Shown {
             Self::Albedo(when) => format!("Albedo {}", when_words(*when)),
             Self::NormalNoise(when) => format!("Noise of the normals {}", when_words(*when)),
             Self::Depth(when) => format!("Depth {}", when_words(*when)),
+            Self::Surface => "Surface in 3D".into(),
             Self::Difference(a, b) => match (&**a, &**b) {
                 (Self::Normals(_), Self::Normals(_)) => format!("Angle between {} and {}", a.title(), b.title()),
                 _ => format!("{} minus {}", a.title(), b.title()),
@@ -113,7 +116,7 @@ impl Shown {
             | Self::Marks { light }
             | Self::FigureOne { light } => Some(light),
             Self::Difference(a, _) => a.light(),
-            Self::Normals(_) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) => None,
+            Self::Normals(_) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) | Self::Surface => None,
         }
     }
 

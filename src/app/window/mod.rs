@@ -86,6 +86,7 @@ impl Window {
         context.options_mut(|options| options.zoom_with_keyboard = false);
         if let Some(render_state) = &creation.wgpu_render_state {
             gpu::install(render_state);
+            gpu::mesh::install(render_state);
             self.chrome.device = DeviceWatch::new(render_state, move || context.request_repaint());
         }
     }

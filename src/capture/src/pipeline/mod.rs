@@ -1,6 +1,7 @@
 //! From a capture set to a mesh, stage by stage; the command line and the window run the same stages.
 
 mod calibrate;
+mod compare;
 mod cost;
 mod error;
 mod evaluate;
@@ -17,6 +18,7 @@ pub use calibrate::{
     BallCircle, BallPhotos, Calibrated, Known, Preference, RatioEvidence, Source, Verdict, calibrate, calibrate_for,
     calibrate_on,
 };
+pub use compare::{Compared, Laying, ReferenceError, alignment_warnings, compare_meshes, read_comparable};
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, NayarErrors, NayarIteration, NormalErrors, evaluate};
