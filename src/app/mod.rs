@@ -4,6 +4,7 @@
 
 pub mod canvas;
 pub mod commands;
+mod device;
 pub mod dialogs;
 pub mod document;
 pub mod jobs;
@@ -16,7 +17,7 @@ pub mod preferences;
 pub mod results;
 pub mod session;
 mod start;
-mod theme;
+pub mod theme;
 pub mod views;
 pub mod window;
 

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Button, RichText, ScrollArea, Ui, vec2};
+use eframe::egui::{Button, RichText, ScrollArea, Ui};
 
 use super::dialogs::Choose;
 use super::document::Recovered;
 use super::path_field::PathField;
 use super::session::{Open, Session};
+use super::theme;
 
 const NEEDED: [&str; 4] = [
     "photos of the object under at least three lamps, each in two colours or more, best in 16 bits, and without clipping",
@@ -50,9 +51,7 @@ impl StartScreen {
         ui.add_space(16.0);
         self.offer_recovered(ui, session, open);
 
-        let fill = ui.visuals().selection.bg_fill;
-        let demo = Button::new(RichText::new("Open the demo").strong()).fill(fill).min_size(vec2(180.0, 32.0));
-        if ui.add(demo).clicked() {
+        if ui.add(theme::primary(ui.visuals(), "Open the demo")).clicked() {
             *open = Some(Open::Demo);
         }
         ui.label(

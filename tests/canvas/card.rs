@@ -99,6 +99,7 @@ impl Card {
 
     fn bind(&self, canvas: &mut CanvasGpu, drawing: &Drawing<'_>) -> Option<Bound> {
         let wake: Wake = Arc::new(|| ());
+        canvas.begin_frame();
         canvas.bind(drawing, &wake)
     }
 

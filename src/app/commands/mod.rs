@@ -52,6 +52,7 @@ pub enum CommandId {
     CloseView,
     NextView,
     FitViews,
+    ViewsOneToOne,
     ToggleSteps,
     ToggleInspector,
     ToggleLog,
@@ -66,7 +67,10 @@ pub enum CommandId {
     Palette,
     Help,
     FrameTimes,
+    WriteFrameTimes,
     About,
+    #[cfg(debug_assertions)]
+    LoseDevice,
 }
 
 /// A menu of the menu bar.
@@ -130,6 +134,10 @@ const fn ctrl(key: Key) -> Option<KeyboardShortcut> {
 
 const fn ctrl_shift(key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key))
+}
+
+const fn alt(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::ALT, key))
 }
 
 const fn alone(key: Key) -> Option<KeyboardShortcut> {
@@ -231,6 +239,9 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::FitViews, Menu::View, "Fit pictures to their views", ctrl(Key::Num0), open, |t| {
         t.session.views.fit()
     }),
+    plain(CommandId::ViewsOneToOne, Menu::View, "Show pictures one to one", alt(Key::Num1), open, |t| {
+        t.session.views.one_to_one();
+    }),
     plain(CommandId::ToggleSteps, Menu::View, "Show or hide the steps", ctrl(Key::B), open, |t| t.chrome.steps ^= true),
     plain(CommandId::ToggleInspector, Menu::View, "Show or hide the inspector", ctrl(Key::I), open, |t| {
         t.chrome.inspector ^= true;
@@ -249,7 +260,13 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::FrameTimes, Menu::Help, "Frame times", ctrl_shift(Key::D), always, |t| {
         t.chrome.frame_times.toggle()
     }),
+    plain(CommandId::WriteFrameTimes, Menu::Help, "Write frame times to a file", None, always, |t| {
+        t.chrome.frame_times.write(t.session);
+    }),
     plain(CommandId::About, Menu::Help, "About Firstbounce", None, always, |t| t.chrome.about ^= true),
+    // Only in a build for development: tests take the device away by it.
+    #[cfg(debug_assertions)]
+    plain(CommandId::LoseDevice, Menu::Help, "Lose the graphics device", None, always, |t| t.chrome.device.lose()),
 ];
 
 /// The command of this name.

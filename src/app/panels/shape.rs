@@ -1,7 +1,9 @@
 //! Normals and depth: which lights, how shadows are told, and what taking the bounces out has changed.
 
+mod nayar;
+
 use eframe::egui::{Button, DragValue, Grid, RichText, Ui};
-use firstbounce_capture::pipeline::{Evaluation, evaluate};
+use firstbounce_capture::pipeline::{Evaluation, Method, SolveOptions, evaluate};
 use firstbounce_core::shape::Shape;
 
 use super::Panel;
@@ -41,6 +43,10 @@ impl Panel for ShapePanel {
         if let Some(shapes) = session.results.shapes() {
             before_and_after(ui, session, &shapes);
         }
+        ui.separator();
+        let evaluated = self.evaluated.as_ref().filter(|(of, _)| *of == document);
+        let errors = evaluated.and_then(|(_, evaluation)| evaluation.as_ref().ok()?.nayar.as_ref());
+        nayar::ui(ui, session, &document, errors);
         self.truth(ui, session, &document);
     }
 }
@@ -181,7 +187,7 @@ impl ShapePanel {
         }
         let free = self.evaluating.is_none();
         if ui.add_enabled(free, Button::new("Compare with the truth")).clicked() {
-            let (set, options) = (document.set.clone(), document.settings.shape.options());
+            let (set, options) = (document.set.clone(), options_of(document));
             self.evaluating = Some(session.jobs.start("Compare with the truth", move |job| {
                 evaluate(&set, &options, job).map_err(|error| error.to_string())
             }));
@@ -201,6 +207,13 @@ impl ShapePanel {
     }
 }
 
+/// As the command line would be asked: both methods, where both are looked at.
+fn options_of(document: &Document) -> SolveOptions {
+    let nayar = &document.settings.nayar;
+    let method = if nayar.compute { Method::Nayar } else { Method::Bounces };
+    SolveOptions { method, nayar: nayar.options(), ..document.settings.shape.options() }
+}
+
 fn evaluation_ui(ui: &mut Ui, evaluation: &Evaluation) {
     let errors = &evaluation.normal_error_deg;
     Grid::new("truth").num_columns(2).striped(true).show(ui, |ui| {
@@ -211,6 +224,9 @@ fn evaluation_ui(ui: &mut Ui, evaluation: &Evaluation) {
         };
         row("Normal error before, mean", format!("{:.2} degrees", errors.raw.mean));
         row("Normal error after, mean", format!("{:.2} degrees", errors.separated.mean));
+        if let Some(nayar) = &evaluation.nayar {
+            row("Normal error by Nayar's method, mean", format!("{:.2} degrees", nayar.result.mean));
+        }
         if let Some(direct) = errors.true_direct {
             row("From true direct light, mean", format!("{:.2} degrees", direct.mean));
         }

@@ -206,13 +206,7 @@ pub fn shape(
     let camera = camera_of(set, object.mask.size());
 
     // Lights that are left out are left out of both, so that before and after differ by the bounces alone.
-    let used: Vec<_> = set.lights.iter().map(|l| !document.settings.shape.left_out.contains(&l.name)).collect();
-    let set = CaptureSet { lights: kept(&set.lights, &used), ..set.clone() };
-    let calibrated = Calibrated {
-        direction: kept(&calibrated.direction, &used),
-        intensity: kept(&calibrated.intensity, &used),
-        ..calibrated.clone()
-    };
+    let Used { set, calibrated, used } = Used::of(document, calibrated);
     let surface = |lights: &[Direct]| {
         recover(&set, object, &calibrated, &kept(lights, &used), &camera, &options.shape, job).map_err(line)
     };
@@ -222,7 +216,28 @@ pub fn shape(
     Ok(Shapes { direct, trust, after, before, turned })
 }
 
-fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {
+/// The lights that photometric stereo uses, and what is known of them.
+pub(super) struct Used {
+    pub set: CaptureSet,
+    pub calibrated: Calibrated,
+    /// By light of the document's set.
+    pub used: Vec<bool>,
+}
+
+impl Used {
+    pub fn of(document: &Document, calibrated: &Calibrated) -> Self {
+        let set = &document.set;
+        let used: Vec<_> = set.lights.iter().map(|l| !document.settings.shape.left_out.contains(&l.name)).collect();
+        let calibrated = Calibrated {
+            direction: kept(&calibrated.direction, &used),
+            intensity: kept(&calibrated.intensity, &used),
+            ..calibrated.clone()
+        };
+        Self { set: CaptureSet { lights: kept(&set.lights, &used), ..set.clone() }, calibrated, used }
+    }
+}
+
+pub(super) fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {
     all.iter().zip(used).filter(|(_, used)| **used).map(|(item, _)| item.clone()).collect()
 }
 
@@ -232,6 +247,6 @@ pub fn meshes(set: &CaptureSet, shapes: &Shapes) -> Result<Meshes, String> {
     Ok(Meshes { after: mesh(&shapes.after)?, before: mesh(&shapes.before)? })
 }
 
-fn line(error: PipelineError) -> String {
+pub(super) fn line(error: PipelineError) -> String {
     error.to_string().replace('\n', " ")
 }

@@ -187,6 +187,12 @@ impl Views {
         self.canvases.values_mut().for_each(|canvas| canvas.view = canvas::View::Fit);
     }
 
+    /// A pixel of the screen for every pixel of the picture, in every view.
+    pub fn one_to_one(&mut self) {
+        self.shared = self.shared.one_to_one();
+        self.canvases.values_mut().for_each(|canvas| canvas.view = canvas.view.one_to_one());
+    }
+
     fn bring_to_front(&mut self, id: u64) {
         self.active = Some(id);
         self.tree.make_active(|_, tile| matches!(tile, egui_tiles::Tile::Pane(view) if view.id == id));

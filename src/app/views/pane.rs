@@ -32,7 +32,7 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Pane
 fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
     let document = session.document();
     ui.menu_button(format!("Picture: {}", view.shown.title()), |ui| {
-        if let Some(chosen) = picker::ui(ui, &document.set, Some(&view.shown)) {
+        if let Some(chosen) = picker::ui(ui, &document, Some(&view.shown)) {
             view.shown = chosen;
             view.look = Default::default();
             session.views.active = Some(view.id);
@@ -44,7 +44,7 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
             view.against = None;
             ui.close();
         }
-        if let Some(chosen) = picker::ui(ui, &document.set, view.against.as_ref()) {
+        if let Some(chosen) = picker::ui(ui, &document, view.against.as_ref()) {
             view.against = Some(chosen);
         }
     });
@@ -127,15 +127,8 @@ fn compared(ui: &Ui, view: &View, response: &CanvasResponse) {
     let (own, other) = (view.shown.title(), other.title());
     let canvas = response.transform.rect.shrink(6.0);
     let words = match (response.shows_other, view.wipe) {
-        (true, _) => {
-            caption(ui, canvas, Align2::CENTER_TOP, &format!("B is held: {other}"));
-            format!("Shows {other}")
-        }
-        (false, true) => {
-            caption(ui, canvas, Align2::LEFT_TOP, &own);
-            caption(ui, canvas, Align2::RIGHT_TOP, &other);
-            format!("Left of the line {own}, right of the line {other}")
-        }
+        (true, _) => format!("Shows {other}"),
+        (false, true) => format!("Left of the line {own}, right of the line {other}"),
         (false, false) => {
             caption(ui, canvas, Align2::CENTER_TOP, &format!("Hold B for {other}"));
             format!("B, held, shows the other: {other}")
@@ -189,10 +182,11 @@ fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, 
     state.compare = if view.wipe { Compare::Wipe } else { Compare::Hold };
     let primary = if panels.wants_drag(&view.shown, session) { PrimaryDrag::Caller } else { PrimaryDrag::Pan };
     let label = view.shown.title();
+    let other_label = view.against.as_ref().map(super::Shown::title).unwrap_or_default();
     let mut canvas =
         Canvas::new(&mut state, &shown.source, &display).label(&label).legend(shown.quantity).primary_drag(primary);
     if let (Some(other), Some(display)) = (&other, &other_display) {
-        canvas = canvas.against(&other.source, display);
+        canvas = canvas.against(&other.source, display).other_label(&other_label);
     }
     let response: CanvasResponse = canvas.show(ui);
     if view.linked {
@@ -205,19 +199,6 @@ fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, 
     }
     if let Some(pixel) = response.hovered {
         session.views.hover = Some(Hover { shown: view.shown.clone(), pixel });
-    }
-    if let Some(resolution) = response.resolution.filter(|resolution| resolution.divisor > 1) {
-        let line = format!(
-            "Shown at 1/{} of its resolution: the picture is larger than the card's textures",
-            resolution.divisor
-        );
-        ui.painter().text(
-            response.transform.rect.left_top() + eframe::egui::vec2(6.0, 6.0),
-            eframe::egui::Align2::LEFT_TOP,
-            line,
-            eframe::egui::TextStyle::Small.resolve(ui.style()),
-            ui.visuals().warn_fg_color,
-        );
     }
     match &other {
         Some(_) => compared(ui, view, &response),

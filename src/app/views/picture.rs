@@ -7,7 +7,7 @@ use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::Shown;
 use crate::app::document::Document;
-use crate::app::results::{MarksName, PlaneName, Results, ShotName, Stored};
+use crate::app::results::{MarksName, PlaneName, Results, ShotName, Stored, When};
 use crate::gpu::{ColourMap, Display, Layer, Source, Tint};
 
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
@@ -27,6 +27,9 @@ pub struct Picture {
 
 /// The picture, or one line that says why there is none yet.
 pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, String> {
+    if shown.is_by_nayar() && !document.settings.nayar.compute {
+        return Err(not_yet(shown, document, results));
+    }
     let pictures = results.pictures();
     let stored = |name: PlaneName| pictures.plane(&name).ok_or_else(|| not_yet(shown, document, results));
     let masked = |source: Source| with_mask(source, results);
@@ -78,6 +81,11 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
                 quantity: LIGHT,
             })
         }
+        Shown::NayarDirect { light } => {
+            let plane = stored(PlaneName::NayarDirect(light.clone()))?;
+            let range = pictures.plane(&PlaneName::Direct(light.clone())).map_or(plane.range, |stored| stored.range);
+            Ok(Picture { source: masked(Source::plane(plane.plane.clone())), display: grey(range), quantity: LIGHT })
+        }
         Shown::Marks { light } => {
             let photo = reference(document, results, light).ok_or_else(|| not_yet(shown, document, results))?;
             let source = Source::plane(photo.plane.clone());
@@ -105,11 +113,19 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             let quantity = if has_scale(&document.set) { "Depth toward the camera, mm" } else { "Depth, pixels" };
             Ok(value(stored(PlaneName::Depth(*when))?, ColourMap::Viridis, quantity, &masked))
         }
+        Shown::Difference(a, b) if are_normals(a, b) => {
+            let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
+            Ok(value(turned, ColourMap::Viridis, "Angle between the normals, degrees", &masked))
+        }
         Shown::Difference(a, b) => {
             let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
             let source = Source::difference(first, second).map_err(|error| error.to_string())?;
             let largest = picture(a, document, results)?.display.range[1].abs() / 4.0;
-            Ok(Picture { source: masked(source), display: Display::signed(largest), quantity: "Difference" })
+            Ok(Picture {
+                source: masked(source),
+                display: Display::signed(largest),
+                quantity: difference_of(a, document),
+            })
         }
     }
 }
@@ -127,6 +143,7 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::Residual { light } => stored(PlaneName::Residual(light.clone())),
         Shown::Noise { light } => stored(PlaneName::Noise(light.clone())),
         Shown::Direct { light } => stored(PlaneName::Direct(light.clone())),
+        Shown::NayarDirect { light } => stored(PlaneName::NayarDirect(light.clone())),
         Shown::Albedo(when) => stored(PlaneName::Albedo(*when)),
         Shown::NormalNoise(when) => stored(PlaneName::NormalNoise(*when)),
         Shown::Depth(when) => stored(PlaneName::Depth(*when)),
@@ -134,6 +151,43 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
             Err(format!("{} has more than one value a pixel: choose another picture", shown.title()))
         }
     }
+}
+
+/// What a difference is of, with its unit.
+fn difference_of(a: &Shown, document: &Document) -> &'static str {
+    match (a, has_scale(&document.set)) {
+        (Shown::Depth(_), true) => "Difference of depth, mm",
+        (Shown::Depth(_), false) => "Difference of depth, pixels",
+        (Shown::NormalNoise(_), _) => "Difference of noise, degrees",
+        (Shown::Albedo(_), _) => "Difference of albedo",
+        _ => "Difference of linear light",
+    }
+}
+
+/// The unit of a difference's numbers, after a space; empty where they have none.
+pub fn unit_of_difference(a: &Shown, document: &Document) -> &'static str {
+    match (a, has_scale(&document.set)) {
+        (Shown::Depth(_), true) => " mm",
+        (Shown::Depth(_), false) => " pixels",
+        (Shown::Normals(_) | Shown::NormalNoise(_), _) => " degrees",
+        _ => "",
+    }
+}
+
+/// The two sides of a difference: what is shown is the first minus the second.
+pub fn sides(a: &Shown, b: &Shown, document: &Document, results: &Results) -> Result<[Layer; 2], String> {
+    if are_normals(a, b) {
+        let turned = results.pictures().plane(&PlaneName::Turned);
+        let missing = || not_yet(&Shown::Normals(When::After), document, results);
+        let turned = Layer::from(turned.ok_or_else(missing)?.plane.clone());
+        return Ok([turned.clone(), turned.amplified(0.0)]);
+    }
+    Ok([layer(a, document, results)?, layer(b, document, results)?])
+}
+
+/// Directions differ by an angle.
+fn are_normals(a: &Shown, b: &Shown) -> bool {
+    matches!((a, b), (Shown::Normals(a), Shown::Normals(b)) if a != b)
 }
 
 /// Bounce k of a light as weights on its photos.
@@ -216,15 +270,19 @@ fn has_scale(set: &CaptureSet) -> bool {
 fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
     use crate::app::results::{StageState, Step};
     let step = match shown {
+        _ if shown.is_by_nayar() => Step::Nayar,
         Shown::Photo(name) => return no_photo(name, document, results),
         Shown::Bounce { .. } | Shown::Sum { .. } | Shown::FigureOne { .. } | Shown::Difference(..) => Step::Load,
         Shown::Residual { .. } if results.rig(document).bounces >= document.set.colours.len() => {
             return "with as many bounces as colours nothing is left over: choose a lower order in Separate".into();
         }
         Shown::Residual { .. } | Shown::Noise { .. } | Shown::Marks { .. } => Step::Separate,
-        Shown::Direct { .. } | Shown::Normals(_) | Shown::Albedo(_) | Shown::NormalNoise(_) | Shown::Depth(_) => {
-            Step::Shape
-        }
+        Shown::Direct { .. }
+        | Shown::NayarDirect { .. }
+        | Shown::Normals(_)
+        | Shown::Albedo(_)
+        | Shown::NormalNoise(_)
+        | Shown::Depth(_) => Step::Shape,
     };
     match results.state(step, document) {
         StageState::Failed { line } | StageState::Blocked { line } => line,

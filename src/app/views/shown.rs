@@ -37,6 +37,11 @@ pub enum Shown {
         /// The light's name.
         light: String,
     },
+    /// Direct light of a light, as Nayar's method finds it.
+    NayarDirect {
+        /// The light's name.
+        light: String,
+    },
     /// The reference colour's photo with every marked pixel of the separation tinted.
     Marks {
         /// The light's name.
@@ -81,13 +86,17 @@ impl Shown {
             Self::Residual { light } => format!("Residual, {light}"),
             Self::Noise { light } => format!("Noise of bounce 1, {light}"),
             Self::Direct { light } => format!("Bounce 1 with less noise, {light}"),
+            Self::NayarDirect { light } => format!("Direct light by Nayar's method, {light}"),
             Self::Marks { light } => format!("Marks, {light}"),
             Self::FigureOne { light } => format!("Bounces 1 and 2 in colour, {light}"),
             Self::Normals(when) => format!("Normals {}", when_words(*when)),
             Self::Albedo(when) => format!("Albedo {}", when_words(*when)),
             Self::NormalNoise(when) => format!("Noise of the normals {}", when_words(*when)),
             Self::Depth(when) => format!("Depth {}", when_words(*when)),
-            Self::Difference(a, b) => format!("{} minus {}", a.title(), b.title()),
+            Self::Difference(a, b) => match (&**a, &**b) {
+                (Self::Normals(_), Self::Normals(_)) => format!("Angle between {} and {}", a.title(), b.title()),
+                _ => format!("{} minus {}", a.title(), b.title()),
+            },
         }
     }
 
@@ -100,10 +109,23 @@ impl Shown {
             | Self::Residual { light }
             | Self::Noise { light }
             | Self::Direct { light }
+            | Self::NayarDirect { light }
             | Self::Marks { light }
             | Self::FigureOne { light } => Some(light),
             Self::Difference(a, _) => a.light(),
             Self::Normals(_) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) => None,
+        }
+    }
+
+    /// Whether it shows something that Nayar's method found.
+    pub fn is_by_nayar(&self) -> bool {
+        match self {
+            Self::NayarDirect { .. } => true,
+            Self::Normals(when) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => {
+                *when == When::Nayar
+            }
+            Self::Difference(a, b) => a.is_by_nayar() || b.is_by_nayar(),
+            _ => false,
         }
     }
 
@@ -121,6 +143,7 @@ fn when_words(when: When) -> &'static str {
     match when {
         When::Before => "before",
         When::After => "after",
+        When::Nayar => "by Nayar's method",
     }
 }
 

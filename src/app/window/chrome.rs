@@ -4,6 +4,7 @@ use eframe::egui::{Context, Id, Modal, Panel, Ui, ViewportCommand, Window};
 
 use super::frame_times::FrameTimes;
 use crate::app::commands::{HelpSheet, Palette};
+use crate::app::device::DeviceWatch;
 use crate::app::dialogs::Choose;
 use crate::app::path_field::PathField;
 use crate::app::session::{Open, Session};
@@ -24,6 +25,8 @@ pub struct Chrome {
     pub help: HelpSheet,
     /// How long frames take.
     pub frame_times: FrameTimes,
+    /// What the window draws with.
+    pub device: DeviceWatch,
     pub(super) focused: Option<Id>,
     save_as: Option<PathField>,
     leaving: Option<Leaving>,
@@ -50,6 +53,7 @@ impl Default for Chrome {
             palette: Palette::default(),
             help: HelpSheet::default(),
             frame_times: FrameTimes::default(),
+            device: DeviceWatch::default(),
             focused: None,
             save_as: None,
             leaving: None,

@@ -5,6 +5,7 @@ use eframe::egui::{Color32, Panel, RichText, Ui};
 use crate::app::panels::PanelName;
 use crate::app::results::StageState;
 use crate::app::session::Session;
+use crate::app::theme;
 
 /// Shows the steps; a click opens one.
 pub fn ui(ui: &mut Ui, session: &mut Session) {
@@ -53,7 +54,7 @@ fn words(state: &StageState, ui: &Ui) -> (String, Color32) {
     match state {
         StageState::Stale => ("waiting".into(), visuals.weak_text_color()),
         StageState::Running { fraction } => (format!("{:.0} %", 100.0 * fraction), visuals.hyperlink_color),
-        StageState::Ready => ("ready".into(), visuals.weak_text_color()),
+        StageState::Ready => ("\u{2714} ready".into(), theme::good(visuals)),
         StageState::Failed { .. } => ("failed".into(), visuals.error_fg_color),
         StageState::Blocked { .. } => ("needs something".into(), visuals.warn_fg_color),
     }

@@ -35,7 +35,7 @@ impl Cursor {
             advice(ui, "Point at a pixel, or type its column and row.");
             return;
         };
-        for (group, entries) in entries(&document.set) {
+        for (group, entries) in entries(document) {
             let known: Vec<_> = entries
                 .into_iter()
                 .filter(|entry| entry.subject() == shown.subject())

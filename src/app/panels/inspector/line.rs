@@ -60,7 +60,7 @@ impl LineSection {
 
     fn choose(&mut self, ui: &mut Ui, active: &Shown, document: &Document) {
         ui.menu_button("Add a picture to the profile", |ui| {
-            if let Some(chosen) = picker(ui, &document.set, None) {
+            if let Some(chosen) = picker(ui, document, None) {
                 let known = chosen == *active || self.others.contains(&chosen);
                 if !known && chosen.subject() == active.subject() {
                     self.others.push(chosen);

@@ -5,6 +5,7 @@ mod cost;
 mod error;
 mod evaluate;
 mod load;
+mod nayar;
 mod output;
 mod solve;
 mod survey;
@@ -18,8 +19,9 @@ pub use calibrate::{
 };
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
-pub use evaluate::{Angles, Evaluation, NormalErrors, evaluate};
+pub use evaluate::{Angles, Evaluation, NayarErrors, NayarIteration, NormalErrors, evaluate};
 pub use load::{ObjectPhotos, SubjectPhotos, load_object, load_subject};
+pub use nayar::{AlbedoScale, Beginning, Method, NayarSolved, in_one_colour, simulate_away, white_light};
 pub use output::{OutputOptions, write_solved};
 pub use solve::{
     Direct, Separated, SolveOptions, Solved, Surfaced, camera_of, lamps, quiet_lights, raw_lights, recover,

@@ -2,12 +2,14 @@
 
 mod calibration;
 mod html;
+mod nayar;
 mod pictures;
 mod trust;
 mod words;
 
 pub use calibration::{CalibrationWords, Row};
 pub use html::{html, overview};
+pub use nayar::{NayarStepWords, NayarWords};
 pub use pictures::{Picture, Pictures};
 pub use trust::{LightTrustWords, NormalTrustWords, ReasonWords, TrustWords};
 pub use words::{Conventions, DepthWords, LightWords, MeshWords, Report, SetWords, ShapeWords};

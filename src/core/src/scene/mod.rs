@@ -15,6 +15,7 @@ use thiserror::Error;
 use crate::{Camera, radiosity::RadiosityError};
 
 pub use lamp::{Lamp, irradiances};
+pub(crate) use linear::{Linear, linear_over_patches};
 pub use render::{LitPlanes, RenderOptions, RenderReport, Rendering, render};
 pub use shape::Shape;
 

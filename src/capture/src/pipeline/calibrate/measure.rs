@@ -169,6 +169,7 @@ impl<'a> Measuring<'a> {
             .into_par_iter()
             .map(|l| self.strength(l, directions[l].half_angle_deg))
             .collect::<Result<Option<Vec<StrengthReport>>, PipelineError>>()?;
+        let first_strength = strengths.as_ref().and_then(|strengths| strengths.first()).map(|first| first.strength);
         let measured: Option<Vec<_>> = strengths.map(|strengths| {
             let relative = relative_intensities(&strengths.iter().collect::<Vec<_>>());
             let known = relative.into_iter().zip(strengths);
@@ -184,6 +185,9 @@ impl<'a> Measuring<'a> {
             });
             self.calibrated.intensity.push(intensity);
         }
+        let first_intensity = self.calibrated.intensity.first().map(|known| known.value);
+        self.calibrated.grey_light =
+            first_strength.zip(first_intensity).map(|(strength, intensity)| strength / intensity);
         if !assumed.is_empty() {
             self.calibrated.warnings.push(format!(
                 "no grey ball tells the intensity of {}: taken as 1, which bends the normals if these lamps are not equally strong",

@@ -66,7 +66,7 @@ pub struct Known<T> {
 }
 
 impl<T> Known<T> {
-    fn from_file(value: T) -> Self {
+    pub(super) fn from_file(value: T) -> Self {
         Self { value, interval: None, source: Source::File, pixels: None }
     }
 }
@@ -120,6 +120,9 @@ pub struct Calibrated {
     pub beta: Option<Vec<Known<f64>>>,
     /// By light: strength in the reference colour relative to the first light.
     pub intensity: Vec<Known<f64>>,
+    /// Linear light of the grey ball's paint square to a lamp of intensity 1, in the reference colour; `None` where the
+    /// ball was not looked at for intensities.
+    pub grey_light: Option<f64>,
     /// By light: unit vector from the object to the light. `None` where nothing tells.
     pub direction: Vec<Option<Known<[f64; 3]>>>,
     /// By light: the bright spots on the mirror ball, the chosen one first; `None` where there is no mirror ball.
@@ -159,6 +162,8 @@ impl Calibrated {
                 .filter_map(|(light, known)| Some((light.name.clone(), known.as_ref()?.value)))
                 .collect(),
             intensity: lights().zip(&self.intensity).map(|(l, known)| (l.name.clone(), known.value)).collect(),
+            grey_albedo: set.calibration.grey_albedo,
+            white_light: set.calibration.white_light,
         }
     }
 
