@@ -11,7 +11,8 @@ use firstbounce_capture::set::{Colour, Light, Shot, Subject};
 use firstbounce_core::mesh::MeshOptions;
 use firstbounce_core::shape::Shape;
 use firstbounce_core::trust::{Trust, TrustOptions};
-use firstbounce_core::{AngularError, Photo, Watch};
+use firstbounce_core::{AngularError, Photo, Plane, Watch};
+use rayon::prelude::*;
 
 use super::pictures::{ShotName, range_of};
 use super::{Calibration, Given, Meshes};
@@ -87,13 +88,22 @@ pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
                 photo
             }),
         };
-        let range = photo.as_ref().map_or([0.0, 1.0], |photo| [0.0, range_of(&photo.linear)[1]]);
+        let range = photo.as_ref().map_or([0.0, 1.0], |photo| [0.0, white_of(shot.subject, &photo.linear)]);
         shots.push(LoadedShot { name, photo, range });
     }
     warnings.sort();
     warnings.dedup();
     let levels = object.as_ref().map(|object| ObjectLevels::of(set, object)).unwrap_or_default();
     Ok(Loaded { shots, object, levels, balls: Arc::new(Mutex::new(balls)), warnings })
+}
+
+/// What is shown as white. On a mirror ball the brightest spot matters, elsewhere all but it.
+fn white_of(subject: Subject, photo: &Plane) -> f32 {
+    if subject == Subject::MirrorSphere {
+        photo.data().par_iter().copied().filter(|light| light.is_finite()).reduce(|| f32::MIN_POSITIVE, f32::max)
+    } else {
+        range_of(photo)[1]
+    }
 }
 
 /// The photos of the balls that have shots of their own. Where one of a ball's photos cannot be read, every shot of it is

@@ -1,6 +1,8 @@
 //! From what is to be shown to numbers and colours.
 
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::set::Subject;
+use firstbounce_core::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::Shown;
@@ -36,7 +38,12 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             let photo = stored(PlaneName::Photo(shot.clone()))?;
             let source = Source::plane(photo.plane.clone());
             let source = with_marks(source, results, &MarksName::Photo(shot.clone()));
-            Ok(Picture { source, display: grey(photo.range), quantity: LIGHT })
+            let mut display = grey(photo.range);
+            if shot.subject == Subject::MirrorSphere {
+                // All but the highlight is dark there.
+                display.tints[DARK.trailing_zeros() as usize] = Tint::default();
+            }
+            Ok(Picture { source, display, quantity: LIGHT })
         }
         Shown::Bounce { light, k } => {
             let source = Source::value(bounce(document, results, light, *k)?).map_err(|error| error.to_string())?;

@@ -211,8 +211,8 @@ impl Window {
                 steps::ui(ui, session);
                 ui.separator();
                 steps::next(ui, session);
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    let panel = session.panel;
+                let panel = session.panel;
+                ScrollArea::vertical().id_salt(panel.title()).auto_shrink(false).show(ui, |ui| {
                     ui.push_id(panel.title(), |ui| panels.of(panel).ui(ui, session));
                 });
             });

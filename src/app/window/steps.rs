@@ -42,12 +42,10 @@ pub fn next(ui: &mut Ui, session: &mut Session) {
         PanelName::Export => return,
     };
     Panel::bottom("next step").show(ui, |ui| {
-        ui.horizontal_wrapped(|ui| {
-            if ui.button(format!("Next: {}", next.title())).clicked() {
-                session.panel = next;
-            }
-            ui.label(RichText::new(look_at).small());
-        });
+        ui.label(RichText::new(look_at).small());
+        if ui.button(format!("Next: {}", next.title())).clicked() {
+            session.panel = next;
+        }
     });
 }
 

@@ -25,7 +25,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
         row(ui, "Noise of bounce 1", &words(noise), "Of a pixel of mean light, as bounce 1 is saved");
         let averaged =
             "The same once the noise of indirect light is averaged over a few pixels: normals are made of this";
-        row(ui, "... averaged", &words(quiet), averaged);
+        row(ui, "Noise once averaged", &words(quiet), averaged);
         let calibration = worst(&|light| light.calibration_percent);
         row(
             ui,
@@ -36,7 +36,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
         row(ui, "Tail", &tail(trust), "Light of more than m bounces, by the mean light of the colours");
         match &trust.normal {
             Some(normal) => {
-                let words = format!("{} ({} unaveraged)", angle(normal.quiet_noise_deg), angle(normal.noise_deg));
+                let words = format!("{} ({} not averaged)", angle(normal.quiet_noise_deg), angle(normal.noise_deg));
                 row(ui, "Normals, by noise", &words, "Root mean square angle at a pixel of mean light");
                 let words = angle(normal.calibration_deg);
                 row(ui, "Normals, by calibration", &words, "By the intervals of alpha and beta");
