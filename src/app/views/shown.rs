@@ -88,7 +88,9 @@ impl Shown {
             Self::NormalNoise(when) => format!("Noise of the normals {}", when_words(*when)),
             Self::Depth(when) => format!("Depth {}", when_words(*when)),
             Self::Difference(a, b) => match (&**a, &**b) {
-                (Self::Normals(_), Self::Normals(_)) => format!("Angle between {} and {}", a.title(), b.title()),
+                (Self::Normals(a), Self::Normals(b)) => {
+                    format!("Angle between normals {} and {}", when_words(*a), when_words(*b))
+                }
                 _ => format!("{} minus {}", a.title(), b.title()),
             },
         }
