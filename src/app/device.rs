@@ -47,6 +47,8 @@ pub struct DeviceWatch {
     adapter: Option<AdapterName>,
     #[cfg(debug_assertions)]
     device: Option<wgpu::Device>,
+    #[cfg(debug_assertions)]
+    is_doomed: bool,
 }
 
 impl DeviceWatch {
@@ -66,6 +68,8 @@ impl DeviceWatch {
             adapter: Some(AdapterName::of(&render_state.adapter)),
             #[cfg(debug_assertions)]
             device: Some(render_state.device.clone()),
+            #[cfg(debug_assertions)]
+            is_doomed: false,
         }
     }
 
@@ -79,10 +83,16 @@ impl DeviceWatch {
         self.adapter.as_ref()
     }
 
-    /// Takes the device away as a driver does that stops, to see what the program makes of it.
+    /// Has the device taken away before the next frame, to see what the program makes of it.
     #[cfg(debug_assertions)]
-    pub fn lose(&self) {
-        if let Some(device) = &self.device {
+    pub fn lose(&mut self) {
+        self.is_doomed = true;
+    }
+
+    /// Takes the device away, if that was asked for, as a driver does that stops.
+    #[cfg(debug_assertions)]
+    pub fn begin_frame(&mut self) {
+        if let Some(device) = self.device.as_ref().filter(|_| self.is_doomed) {
             device.destroy();
             self.lost.store(true, Ordering::Relaxed);
         }

@@ -48,22 +48,20 @@ pub fn run(start: Start) -> anyhow::Result<()> {
     guard_document();
     let kept = Kept::default();
     let mut losses = Losses::default();
+    let mut again = true;
     let result = loop {
-        let attempt = show(&kept, &start, &losses);
-        let lost = kept
-            .borrow()
-            .as_ref()
-            .map(Window::device)
-            .filter(|device| device.is_lost())
-            .map(|device| device.adapter().cloned());
-        match lost.map(|adapter| losses.note(adapter, Instant::now())) {
-            None => break attempt,
-            Some(AfterLoss::GoOn) => {}
-            Some(AfterLoss::GiveUp) => {
-                break Err(anyhow!(
-                    "the graphics driver stopped twice; start again: an unsaved set is offered there; {ELSEWHERE}"
-                ));
-            }
+        let Attempt { opened, result } = show(&kept, &start, &losses);
+        // A device that goes while a frame is drawn ends in a panic, which leaves the event loop half way: its next run only
+        // comes to an end, and the one after it shows the window.
+        if !opened && result.is_ok() && std::mem::take(&mut again) {
+            continue;
+        }
+        let Some(lost) = kept.borrow_mut().as_mut().and_then(Window::take_lost_device) else { break result };
+        again = true;
+        if losses.note(lost.adapter().cloned(), Instant::now()) == AfterLoss::GiveUp {
+            break Err(anyhow!(
+                "the graphics driver stopped twice; start again: an unsaved set is offered there; {ELSEWHERE}"
+            ));
         }
     };
     if let (Err(_), Some(window)) = (&result, &*kept.borrow()) {
@@ -75,14 +73,23 @@ pub fn run(start: Start) -> anyhow::Result<()> {
 /// The window outlives what the system shows of it, should the graphics device go away.
 type Kept = Rc<RefCell<Option<Window>>>;
 
+/// What became of a window.
+struct Attempt {
+    /// Whether there was one at all.
+    opened: bool,
+    result: anyhow::Result<()>,
+}
+
 /// Shows the window until it is closed or its device is lost.
-fn show(kept: &Kept, start: &Start, losses: &Losses) -> anyhow::Result<()> {
+fn show(kept: &Kept, start: &Start, losses: &Losses) -> Attempt {
     let options = options(losses);
+    let mut opened = false;
     let attempt = panic::catch_unwind(AssertUnwindSafe(|| {
         eframe::run_native(
             "Firstbounce",
             options,
             Box::new(|creation| {
+                opened = true;
                 let mut slot = kept.borrow_mut();
                 match &mut *slot {
                     None => *slot = Some(begin(creation, start)),
@@ -96,10 +103,11 @@ fn show(kept: &Kept, start: &Start, losses: &Losses) -> anyhow::Result<()> {
             }),
         )
     }));
-    match attempt {
+    let result = match attempt {
         Ok(result) => result.map_err(|error| explain(&error.to_string())),
         Err(payload) => Err(explain(&panic_words(payload.as_ref()))),
-    }
+    };
+    Attempt { opened, result }
 }
 
 fn begin(creation: &CreationContext<'_>, start: &Start) -> Window {

@@ -1,7 +1,7 @@
 //! A desktop of one test's own: display, session bus, accessibility bus, home.
 
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -43,7 +43,7 @@ pub struct Program {
 impl Desktop {
     /// `None`, with a line that names the test and what to install, where one cannot be had.
     pub fn new(test: &str) -> Option<Self> {
-        let skipped = |missing: &str| println!("{test}: skipped: {missing}");
+        let skipped = |missing: &str| skip(test, missing);
         for (program, package) in [("Xvfb", "xvfb"), ("dbus-daemon", "dbus")] {
             if !is_installed(program) {
                 skipped(&format!("no {program}: install {package}"));
@@ -85,7 +85,7 @@ impl Desktop {
         while !program.reader.finds_program("firstbounce") {
             if let Some(said) = program.ended() {
                 assert!(said.contains("no graphics driver can draw the window"), "{said}");
-                println!("{test}: skipped: {}", said.trim());
+                skip(test, said.trim());
                 return None;
             }
             assert!(since.elapsed() < PATIENCE, "the window did not open");
@@ -140,6 +140,11 @@ impl Program {
         let after_name = stat.rsplit(')').next().unwrap();
         after_name.split_whitespace().skip(11).take(2).map(|ticks| ticks.parse::<u64>().unwrap()).sum()
     }
+}
+
+/// Past the test's own captured output: a test that did not test must be seen.
+fn skip(test: &str, missing: &str) {
+    writeln!(std::io::stderr(), "{test}: skipped: {missing}").unwrap();
 }
 
 fn is_installed(program: &str) -> bool {

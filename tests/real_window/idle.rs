@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::desktop::Desktop;
+use crate::screen_reader::IMAGE;
 
 /// Hundredths of a second of all cores in [`WATCHED`]: 2 % of one core.
 const MOST_TICKS: u64 = 10;
@@ -20,7 +21,9 @@ fn the_real_window_opens_the_demo_by_name_and_rests_when_nothing_changes() {
     reader.wait_for("all five steps to be ready", |widgets| {
         (widgets.iter().filter(|widget| widget.name == "ready").count() == 5).then_some(())
     });
-    assert_eq!(reader.find("Photo, left, blue").role, "image");
+    reader.wait_for("the photo", |widgets| {
+        widgets.iter().find(|widget| widget.name == "Photo, left, blue" && widget.role == IMAGE).cloned()
+    });
     reader.press("3  Separate");
     reader.read("Gain of bounce 1");
     assert!((reader.value("beta of green") - 0.5).abs() < 0.05);

@@ -11,12 +11,16 @@ use crate::desktop::PATIENCE;
 const ACCESSIBLE: &str = "org.a11y.atspi.Accessible";
 const ROOT: &str = "/org/a11y/atspi/accessible/root";
 
+/// Numbers of AT-SPI's roles.
+pub const IMAGE: u32 = 27;
+const LABEL: u32 = 29;
+
 /// A widget.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Widget {
     owner: String,
     path: OwnedObjectPath,
-    pub role: String,
+    pub role: u32,
     pub name: String,
 }
 
@@ -58,7 +62,7 @@ impl ScreenReader {
             // A widget may go away while it is looked at.
             let Some(children) = self.children(&owner, &path) else { continue };
             ahead.extend(children.into_iter().rev());
-            let role = self.call::<_, String>(&owner, &path, ACCESSIBLE, "GetRoleName", &()).unwrap_or_default();
+            let role = self.call::<_, u32>(&owner, &path, ACCESSIBLE, "GetRole", &()).unwrap_or_default();
             let name = self.text(&owner, &path, "Name").unwrap_or_default();
             found.push(Widget { owner, path, role, name });
         }
@@ -79,9 +83,12 @@ impl ScreenReader {
         }
     }
 
-    /// Waits for a widget of this name.
+    /// Waits for a widget of this name; one that can be used comes before the label that names it.
     pub fn find(&self, name: &str) -> Widget {
-        self.wait_for(name, |widgets| widgets.iter().find(|widget| widget.name == name).cloned())
+        self.wait_for(name, |widgets| {
+            let named = || widgets.iter().filter(|widget| widget.name == name);
+            named().find(|widget| widget.role != LABEL).or_else(|| named().next()).cloned()
+        })
     }
 
     /// Waits for a widget whose name holds these words.

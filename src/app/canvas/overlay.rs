@@ -45,7 +45,7 @@ pub fn close_up(painter: &Painter, transform: &Transform, source: &Source, displ
 pub fn plate(painter: &Painter, canvas: Rect, corner: Align2, line: &str) {
     let galley = painter.layout_no_wrap(line.to_owned(), FontId::proportional(12.0), Color32::from_gray(235));
     let text = corner.align_size_within_rect(galley.size(), canvas.shrink(MARGIN));
-    painter.rect_filled(text.expand(4.0), 4.0, Color32::from_black_alpha(200));
+    painter.rect_filled(text.expand(4.0), 4.0, Color32::from_black_alpha(235));
     painter.galley(text.min, galley, Color32::PLACEHOLDER);
 }
 

@@ -302,7 +302,10 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::About, Menu::Help, "About Firstbounce", None, always, |t| t.chrome.about ^= true),
     // Only in a build for development: tests take the device away by it.
     #[cfg(debug_assertions)]
-    plain(CommandId::LoseDevice, Menu::Help, "Lose the graphics device", None, always, |t| t.chrome.device.lose()),
+    plain(CommandId::LoseDevice, Menu::Help, "Lose the graphics device", None, always, |t| {
+        t.chrome.device.lose();
+        t.context.request_repaint();
+    }),
 ];
 
 /// The command of this name.

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 pub use look::Look;
 pub use picker::{entries, ui as picker};
-pub use picture::{Picture, layer, picture};
+pub use picture::{Picture, layer, picture, unit_of};
 pub use shown::Shown;
 pub use tiles::ui;
 
@@ -208,6 +208,16 @@ impl Views {
     pub fn one_to_one(&mut self) {
         self.shared = self.shared.one_to_one();
         self.canvases.values_mut().for_each(|canvas| canvas.view = canvas.view.one_to_one());
+    }
+
+    /// The same for one view, and for those that are linked with it.
+    fn zoom(&mut self, view: &View, one_to_one: bool) {
+        let zoomed = |of: canvas::View| if one_to_one { of.one_to_one() } else { canvas::View::Fit };
+        if view.linked {
+            self.shared = zoomed(self.shared);
+        }
+        let canvas = self.canvases.entry(view.id).or_default();
+        canvas.view = zoomed(canvas.view);
     }
 
     fn bring_to_front(&mut self, id: u64) {

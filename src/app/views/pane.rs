@@ -1,6 +1,7 @@
 //! One view: its tool bar, its canvas, and what panels draw over it.
 
-use eframe::egui::{Align2, Color32, Rect, RichText, TextStyle, Ui, vec2};
+use eframe::egui::containers::menu::{MenuButton, MenuConfig};
+use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, RichText, Role, TextStyle, Ui, WidgetInfo, vec2};
 use firstbounce_core::photo::{CLIPPED, DARK};
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
@@ -75,8 +76,11 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
         }
     }
     let proposal = picture(&view.shown, &document, &session.results).map_or([0.0, 1.0], |shown| shown.display.range);
-    ui.menu_button("Colours", |ui| look(ui, view, proposal));
-    ui.menu_button("View", |ui| {
+    // Stays open while one thing after the other is tried.
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    MenuButton::new("Colours").config(stays).ui(ui, |ui| look(ui, view, proposal));
+    zoom(ui, view, session);
+    ui.menu_button("Arrange", |ui| {
         ui.checkbox(&mut view.linked, "Zoom and pan with the others");
         arrange_menu(ui, view.id, session);
     });
@@ -92,6 +96,21 @@ fn arrange_menu(ui: &mut Ui, id: u64, session: &mut Session) {
         if ui.button(name).clicked() {
             session.views.arrange(id, arrange);
             ui.close();
+        }
+    }
+}
+
+/// The two zooms that a person asks for most.
+fn zoom(ui: &mut Ui, view: &View, session: &mut Session) {
+    let title = view.shown.title();
+    for (text, words, one_to_one) in [("Fit", "Fit", false), ("1:1", "One to one", true)] {
+        let button = ui.button(text);
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{words}, {title}")));
+        if button
+            .on_hover_text(if one_to_one { "A pixel of the screen for every pixel" } else { "The whole picture" })
+            .clicked()
+        {
+            session.views.zoom(view, one_to_one);
         }
     }
 }

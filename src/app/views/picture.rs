@@ -115,7 +115,7 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
         }
         Shown::Difference(a, b) if are_normals(a, b) => {
             let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
-            Ok(value(turned, ColourMap::Viridis, "Angle between the normals, degrees", &masked))
+            Ok(value(turned, ColourMap::Viridis, "Angle between normals, degrees", &masked))
         }
         Shown::Surface => Err("a surface in 3D is no picture: choose one".into()),
         Shown::Difference(a, b) => {
@@ -165,12 +165,14 @@ fn difference_of(a: &Shown, document: &Document) -> &'static str {
     }
 }
 
-/// The unit of a difference's numbers, after a space; empty where they have none.
-pub fn unit_of_difference(a: &Shown, document: &Document) -> &'static str {
-    match (a, has_scale(&document.set)) {
+/// The unit of a picture's numbers, after a space; empty where they have none.
+pub fn unit_of(shown: &Shown, document: &Document) -> &'static str {
+    match (shown, has_scale(&document.set)) {
         (Shown::Depth(_), true) => " mm",
         (Shown::Depth(_), false) => " pixels",
-        (Shown::Normals(_) | Shown::NormalNoise(_), _) => " degrees",
+        (Shown::NormalNoise(_), _) => " degrees",
+        (Shown::Difference(a, b), _) if are_normals(a, b) => " degrees",
+        (Shown::Difference(a, _), _) => unit_of(a, document),
         _ => "",
     }
 }

@@ -97,7 +97,9 @@ impl Shown {
             Self::Depth(when) => format!("Depth {}", when_words(*when)),
             Self::Surface => "Surface in 3D".into(),
             Self::Difference(a, b) => match (&**a, &**b) {
-                (Self::Normals(_), Self::Normals(_)) => format!("Angle between {} and {}", a.title(), b.title()),
+                (Self::Normals(a), Self::Normals(b)) => {
+                    format!("Angle between normals {} and {}", when_words(*a), when_words(*b))
+                }
                 _ => format!("{} minus {}", a.title(), b.title()),
             },
         }

@@ -3,11 +3,14 @@
 use std::collections::HashMap;
 
 use super::Shown;
-use super::picture::{sides, unit_of_difference};
+use super::picture::{sides, unit_of};
 use crate::app::document::Document;
 use crate::app::jobs::{Jobs, Task};
 use crate::app::results::Results;
 use crate::gpu::{Difference, Layer, PlaneKey, difference};
+
+/// A mean this much smaller than the differences themselves is rounding.
+const ROUNDING: f64 = 1e-6;
 
 /// Which planes, and with which weights: the same terms, the same numbers.
 type Terms = Vec<(PlaneKey, f32)>;
@@ -38,7 +41,7 @@ impl Statistics {
             self.of_view.remove(&view);
             return None;
         };
-        let unit = unit_of_difference(a, document);
+        let unit = unit_of(shown, document);
         let [a, b] = sides(a, b, document, results).ok()?;
         let terms: Terms = a.terms().iter().chain(b.terms()).map(|(plane, weight)| (plane.key, *weight)).collect();
         let of_view = self.of_view.entry(view).or_insert_with(|| OfView { terms: Vec::new(), task: None, found: None });
@@ -53,7 +56,7 @@ impl Statistics {
         Some(match &of_view.found {
             Some(Ok(found)) => format!(
                 "mean {}{unit}, rms {}{unit}, largest {}{unit} at column {}, row {} ({} pixels)",
-                number(found.mean),
+                number(if found.mean.abs() < ROUNDING * found.rms { 0.0 } else { found.mean }),
                 number(found.rms),
                 number(found.max),
                 found.max_at.0,

@@ -96,6 +96,11 @@ impl Window {
         &self.chrome.device
     }
 
+    /// The device that went away, if it did: nothing holds it any more.
+    pub fn take_lost_device(&mut self) -> Option<DeviceWatch> {
+        self.chrome.device.is_lost().then(|| std::mem::take(&mut self.chrome.device))
+    }
+
     /// Keeps what is unsaved for the next run: this one cannot go on.
     pub fn leave_to_next_run(&self) {
         self.session.recovery.leave_to_next_run();
@@ -242,6 +247,8 @@ impl App for Window {
         }
         self.tell_system(context);
         self.chrome.frame_times.end_logic();
+        #[cfg(debug_assertions)]
+        self.chrome.device.begin_frame();
         if self.chrome.device.is_lost() {
             // Should the window not open again, the next run has it.
             super::document::save_everything_now();
@@ -252,6 +259,10 @@ impl App for Window {
     }
 
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        // What is drawn without a device ends in a panic.
+        if self.chrome.device.is_lost() {
+            return;
+        }
         let context = ui.ctx().clone();
         self.chrome.frame_times.begin_widgets();
         self.take_dropped(&context);
