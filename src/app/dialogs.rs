@@ -9,6 +9,8 @@ pub enum Choose {
     Folder,
     /// One or more pictures.
     Pictures,
+    /// A light file.
+    LightFile,
     /// A file to be written.
     NewFile,
 }
@@ -35,6 +37,7 @@ impl Dialogs for SystemDialogs {
         match choose {
             Choose::Folder => dialog.pick_folder().into_iter().collect(),
             Choose::Pictures => dialog.add_filter("Pictures", &PICTURES).pick_files().unwrap_or_default(),
+            Choose::LightFile => dialog.add_filter("Light files", &["lp"]).pick_file().into_iter().collect(),
             Choose::NewFile => dialog.save_file().into_iter().collect(),
         }
     }
