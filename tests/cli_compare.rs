@@ -219,6 +219,110 @@ fn strangers_and_broken_files_are_refused_and_the_output_stands() {
     refused(folder.0.path(), &[], &["capture.toml"]);
 }
 
+/// The relief as OBJ text, with a change.
+fn obj(folder: &Folder, name: &str, change: impl Fn(String) -> String) -> PathBuf {
+    let path = folder.path(name);
+    write_obj(&path, &relief(), None).unwrap();
+    let text = change(fs::read_to_string(&path).unwrap());
+    fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn odd_meshes_are_measured_with_a_line_that_says_what_is_odd() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let b = folder.ply("b.ply", &fixed);
+    let side = CELLS + 1;
+    let far = format!("f 1 2 {}\nf 1 2 {}\n", 2 * side, 3 * side);
+    let quads = |text: String| {
+        let corners = |cell: u32| {
+            let corner = cell / CELLS * side + cell % CELLS + 1;
+            format!("f {corner} {} {} {}\n", corner + 1, corner + side + 1, corner + side)
+        };
+        let vertices: String =
+            text.lines().filter(|line| line.starts_with("v ")).map(|line| format!("{line}\n")).collect();
+        vertices + &(0..CELLS * CELLS).map(corners).collect::<String>()
+    };
+    let doubled = |text: String| {
+        let vertices: String =
+            text.lines().filter(|line| line.starts_with("v ")).map(|line| format!("{line}\n")).collect();
+        let shifted: String = text
+            .lines()
+            .filter_map(|line| line.strip_prefix("f "))
+            .enumerate()
+            .map(|(index, line)| {
+                let shift = if index % 2 == 0 { 0 } else { side * side };
+                let corners = line.split(' ').map(|corner| (corner.parse::<u32>().unwrap() + shift).to_string());
+                format!("f {}\n", corners.collect::<Vec<_>>().join(" "))
+            })
+            .collect();
+        vertices.clone() + &vertices + &shifted
+    };
+    let cases = [
+        (obj(&folder, "fan.obj", |text| text + &far), "more than two triangles"),
+        (obj(&folder, "quads.obj", quads), "faces of more than three corners split"),
+        (obj(&folder, "doubled.obj", doubled), "vertices joined"),
+    ];
+    for (path, words) in cases {
+        let output = compare(&path, &b, &["--json"]);
+        let warnings = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{warnings}");
+        assert!(warnings.starts_with("warning: ") && warnings.contains(words), "{warnings}");
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(found["mean_mm"].as_f64().unwrap() < 1e-3, "{path:?}: {found}");
+    }
+}
+
+#[test]
+fn hopeless_meshes_are_one_line_each() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let b = folder.ply("b.ply", &fixed);
+    let write = |name: &str, bytes: &[u8]| {
+        fs::write(folder.path(name), bytes).unwrap();
+        folder.path(name)
+    };
+    let stl = |mesh: &Mesh| {
+        write_stl(&folder.path("whole.stl"), mesh).unwrap();
+        fs::read(folder.path("whole.stl")).unwrap()
+    };
+    let whole = stl(&fixed);
+    let ply = fs::read(&b).unwrap();
+    let far: &[u8] = b"v 1e39 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let cases: [(PathBuf, &[&str]); 9] = [
+        (write("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"), &["no surface"]),
+        (write("flat.obj", b"v 0 0 0\nv 1 0 0\nv 1 0 0\nf 1 2 3\n"), &["no triangle"]),
+        (write("lost.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), &["line 4", "9"]),
+        (write("inf.obj", far), &["not finite"]),
+        (write("cut.stl", &whole[..whole.len() / 2]), &["cut off"]),
+        (write("cut2.ply", &ply[..200]), &["cut2.ply", "PLY"]),
+        (write("text.stl", b"just words"), &["without any vertex", "OBJ, PLY or STL"]),
+        (write("scene.obj", b"glTF\x02\0\0\0"), &["glTF"]),
+        (write("many.ply", b"ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\nproperty float z\nend_header\n"), &["cut off", "99999999999"]),
+    ];
+    for (path, words) in &cases {
+        refused(&compare(path, &b, &[]), words);
+        refused(&compare(&b, path, &["--align"]), words);
+    }
+    // Far from the origin coordinates are coarse: it is told, and there is nothing to compare with.
+    let mut huge = fixed.clone();
+    huge.positions.iter_mut().for_each(|p| p.x += 4e6);
+    let output = compare(&folder.ply("huge.ply", &huge), &b, &[]);
+    let lines = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && lines.contains("align the two first"), "{lines}");
+}
+
+#[test]
+fn the_json_has_the_promised_keys_at_its_top() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let b = folder.ply("b.ply", &fixed);
+    let found = numbers(&b, &b, &[]);
+    for key in ["mean_mm", "rms_mm", "p95_mm", "max_mm", "overlap", "orientation_error_deg", "rotation_deg"] {
+        assert!(found[key].is_f64(), "{key} in {found}");
+    }
+    assert_eq!(found["translation_mm"].as_array().unwrap().len(), 3);
+    assert_eq!(matrix(&found), Matrix4::identity());
+}
+
 #[test]
 fn a_wrong_name_is_told_and_read_all_the_same() {
     let (folder, fixed) = (Folder::new(), relief());

@@ -11,6 +11,8 @@ pub enum Choose {
     Pictures,
     /// A mesh file.
     Mesh,
+    /// A light file.
+    LightFile,
     /// A file to be written.
     NewFile,
 }
@@ -40,6 +42,7 @@ impl Dialogs for SystemDialogs {
             Choose::Folder => dialog.pick_folder().into_iter().collect(),
             Choose::Pictures => dialog.add_filter("Pictures", &PICTURES).pick_files().unwrap_or_default(),
             Choose::Mesh => dialog.add_filter("Meshes", &MESHES).pick_file().into_iter().collect(),
+            Choose::LightFile => dialog.add_filter("Light files", &["lp"]).pick_file().into_iter().collect(),
             Choose::NewFile => dialog.save_file().into_iter().collect(),
         }
     }

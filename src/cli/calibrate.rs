@@ -1,10 +1,13 @@
 //! `firstbounce calibrate SET`
 
+use std::path::{Path, PathBuf};
+
 use anyhow::Context;
 use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::write_file;
-use firstbounce_capture::pipeline::{Calibrated, Preference, calibrate};
+use firstbounce_capture::light_file::{CarriedLights, LightFile};
+use firstbounce_capture::pipeline::{Calibrated, Preference, Source, calibrate};
 use firstbounce_capture::report::{CalibrationWords, Row};
 use firstbounce_capture::set::write_calibration;
 
@@ -16,6 +19,9 @@ use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
 pub struct CalibrateArgs {
     #[command(flatten)]
     set: SetArgs,
+    /// Take the directions from a light file of RTI tools, by the names of photos or else in order; the balls give the rest
+    #[arg(long, value_name = "FILE.lp")]
+    lights_from: Option<PathBuf>,
     /// Put the values into capture.toml; its comments stay
     #[arg(long)]
     write: bool,
@@ -25,17 +31,42 @@ pub struct CalibrateArgs {
 
 /// Runs the command.
 pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
-    let set = CaptureSet::open(&args.set.path)?;
+    let mut set = CaptureSet::open(&args.set.path)?;
+    let carried = args.lights_from.as_deref().map(|path| take_lights(&mut set, path)).transpose()?;
+    let preference = if carried.is_some() { Preference::BallsUnderGivenLights } else { Preference::Balls };
     let terminal = Terminal::attend();
-    let calibrated = calibrate(&set, Preference::Balls, &terminal);
+    let calibrated = calibrate(&set, preference, &terminal);
     terminal.finish();
-    let calibrated = calibrated?;
+    let mut calibrated = calibrated?;
+    if let Some(carried) = &carried {
+        tell_source(&set, carried, &mut calibrated);
+    }
     let words = CalibrationWords::of(&set, &calibrated);
     if args.write {
         write(&set, &calibrated)?;
     }
     print_warnings(&words.warnings);
     if args.print.json { print_json(&words) } else { print(&text(&words)) }
+}
+
+/// Puts the directions of a light file in force.
+fn take_lights(set: &mut CaptureSet, path: &Path) -> anyhow::Result<CarriedLights> {
+    Ok(LightFile::read(path)?.put_into(set, path)?)
+}
+
+/// Tells the light file's directions from those that capture.toml gives.
+fn tell_source(set: &CaptureSet, carried: &CarriedLights, calibrated: &mut Calibrated) {
+    for (light, known) in set.lights.iter().zip(&mut calibrated.direction) {
+        if let Some(known) = known.as_mut().filter(|_| carried.lights.contains(&light.name)) {
+            known.source = Source::LightFile;
+        }
+    }
+    calibrated.warnings.extend(carried.warnings());
+    if carried.by_order {
+        calibrated
+            .warnings
+            .push("no file name of the light file is a photo of the set: taken in the order of its lines".into());
+    }
 }
 
 /// Puts values and circles into the set's file.

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::OutputFolder;
-use firstbounce_capture::image_file::GreenAxis;
-use firstbounce_capture::pipeline::SolveOptions;
+use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
 use include_dir::{Dir, include_dir};
 
 use super::solve::{OUTPUT_FOLDER, solve_into, summary};
@@ -33,7 +32,7 @@ pub struct DemoArgs {
 pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let folder = args.out.clone().unwrap_or_else(|| Path::new(OUTPUT_FOLDER).join("demo"));
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
-    let report = solve_into(&set, &folder, &SolveOptions::default(), GreenAxis::Up)?;
+    let report = solve_into(&set, &folder, &SolveOptions::default(), &OutputOptions::default())?;
     print_warnings(&report.warnings);
     if args.print.json {
         return print_json(&report);

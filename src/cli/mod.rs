@@ -8,6 +8,7 @@ mod demo;
 mod evaluate;
 mod info;
 mod open;
+mod output;
 mod progress;
 mod solve;
 mod table;

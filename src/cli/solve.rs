@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use firstbounce_capture::image_file::GreenAxis;
 use firstbounce_capture::pipeline::{AlbedoScale, Method, OutputOptions, SolveOptions, solve, write_solved};
 use firstbounce_capture::report::{NayarWords, Report};
 use firstbounce_capture::{CaptureSet, OutputFolder};
 use firstbounce_core::indirect::IndirectOptions;
 use firstbounce_core::nayar::NayarOptions;
 
+use super::output::OutputArgs;
 use super::progress::Terminal;
 use super::table::{row, table};
 use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
@@ -26,9 +26,8 @@ pub struct SolveArgs {
     out: Option<PathBuf>,
     #[command(flatten)]
     method: MethodArgs,
-    /// Write normals.png with green down, as DirectX reads it, instead of up, as OpenGL does
-    #[arg(long)]
-    directx: bool,
+    #[command(flatten)]
+    output: OutputArgs,
     #[command(flatten)]
     print: PrintArgs,
 }
@@ -83,8 +82,7 @@ impl MethodArgs {
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let set = CaptureSet::open(&args.set.path)?;
     let folder = args.out.clone().unwrap_or_else(|| default_folder(&set));
-    let green = if args.directx { GreenAxis::Down } else { GreenAxis::Up };
-    let report = solve_into(&set, &folder, &args.method.options(), green)?;
+    let report = solve_into(&set, &folder, &args.method.options(), &args.output.options())?;
     print_warnings(&report.warnings);
     if args.print.json {
         print_json(&report)?
@@ -99,12 +97,17 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
 }
 
 /// Solves a set and writes the results into `folder`.
-pub fn solve_into(set: &CaptureSet, folder: &Path, options: &SolveOptions, green: GreenAxis) -> anyhow::Result<Report> {
+pub fn solve_into(
+    set: &CaptureSet,
+    folder: &Path,
+    options: &SolveOptions,
+    output_options: &OutputOptions,
+) -> anyhow::Result<Report> {
+    output_options.check()?;
     let output = OutputFolder::stage(folder)?;
     let terminal = Terminal::attend();
     let solved = solve(set, options, &terminal);
-    let report =
-        solved.and_then(|mut solved| write_solved(set, &mut solved, output, OutputOptions { green }, &terminal));
+    let report = solved.and_then(|mut solved| write_solved(set, &mut solved, output, output_options, &terminal));
     terminal.finish();
     Ok(report?)
 }
@@ -127,6 +130,7 @@ pub fn summary(report: &Report, folder: &Path) -> String {
             shape.solved_pixels, shape.mean_noise_deg, shape.mesh.vertices, shape.mesh.unit
         ));
     }
+    lines.extend(report.export.decimation_lines());
     let seconds: f64 = report.stages.iter().map(|cost| cost.seconds).sum();
     lines.push(format!(
         "{} files in {} after {seconds:.1} s; open report.html there",

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod calibrate;
+mod export;
 mod nayar;
 mod run;
 mod shared_sets;

@@ -7,6 +7,7 @@ mod around;
 mod captures;
 mod disk;
 mod edits;
+mod files;
 mod harness;
 mod inspector;
 mod keyboard;

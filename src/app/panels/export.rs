@@ -1,15 +1,19 @@
 //! Files: the results as the command line writes them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use eframe::egui::{Button, RichText, Ui};
+use eframe::egui::{Button, CollapsingHeader, DragValue, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::OutputFolder;
-use firstbounce_capture::image_file::GreenAxis;
-use firstbounce_capture::pipeline::{OutputOptions, write_solved};
+use firstbounce_capture::image_file::{GreenAxis, GreyBits};
+use firstbounce_capture::mesh_file::{Axes, OutputFormat};
+use firstbounce_capture::pipeline::{OutputOptions, camera_of, write_solved};
 use firstbounce_capture::report::Report;
+use firstbounce_core::decimate::DecimateOptions;
 
 use super::Panel;
+use super::part::part;
 use crate::app::dialogs::Choose;
+use crate::app::document::Document;
 use crate::app::jobs::Task;
 use crate::app::path_field::PathField;
 use crate::app::results::{StageState, Step};
@@ -20,7 +24,9 @@ use crate::app::window::advice;
 #[derive(Default)]
 pub struct Export {
     folder: PathField,
-    green_down: bool,
+    options: OutputOptions,
+    /// What the triangles were limited to before they were not.
+    triangles: DecimateOptions,
     writing: Option<(PathBuf, Task<Report>)>,
     written: Option<(PathBuf, Report)>,
 }
@@ -33,12 +39,11 @@ impl Panel for Export {
         }
         let dialogs = session.dialogs();
         self.folder.ui(ui, "Folder for the results", Choose::Folder, &dialogs, &mut session.jobs);
-        ui.label("Direction of green in normals.png");
-        ui.radio_value(&mut self.green_down, false, "Up, as OpenGL reads it");
-        ui.radio_value(&mut self.green_down, true, "Down, as DirectX reads it");
-        ui.label("Meshes: OBJ and PLY, x right, y up, z toward the camera, in mm where the camera's scale is known, else in pixels.");
+        part(ui, "meshes", |ui| self.meshes(ui, &document, full_triangles(session)));
+        part(ui, "pictures", |ui| pictures(ui, &mut self.options));
+        part(ui, "lights", |ui| lights(ui, &mut self.options, &document));
         ui.add_space(6.0);
-        self.button(ui, session);
+        part(ui, "write", |ui| self.button(ui, session));
         self.take_written(session);
         if let Some((folder, report)) = &self.written {
             contents(ui, folder, report);
@@ -46,7 +51,63 @@ impl Panel for Export {
     }
 }
 
+/// Triangles of the mesh as it is, once there is one.
+fn full_triangles(session: &Session) -> Option<usize> {
+    session.results.meshes().map(|meshes| meshes.after.triangles.len())
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(text).strong());
+}
+
 impl Export {
+    fn meshes(&mut self, ui: &mut Ui, document: &Document, full: Option<usize>) {
+        heading(ui, "Meshes, before and after");
+        let unit = camera_of(&document.set, (1, 1)).unit();
+        for format in OutputFormat::ALL {
+            let mut wanted = self.options.writes(format);
+            if ui
+                .checkbox(&mut wanted, format!("{format} (.{}), in {}", format.extension(), format.unit(unit)))
+                .changed()
+            {
+                // In one order, however they were ticked.
+                let chosen = |other: &OutputFormat| if *other == format { wanted } else { self.options.writes(*other) };
+                self.options.formats = OutputFormat::ALL.into_iter().filter(chosen).collect();
+            }
+            ui.indent(format, |ui| ui.label(RichText::new(format.purpose()).small().weak()));
+        }
+        let options = &mut self.options;
+        ui.add_space(4.0);
+        ui.label("Axes of OBJ, PLY and STL");
+        for (axes, name) in [(Axes::YUp, "y up"), (Axes::ZUp, "z up")] {
+            ui.radio_value(&mut options.axes, axes, format!("{name}: {}", axes.words()));
+        }
+        ui.label(RichText::new(format!("glTF always has {}, as its standard says.", Axes::YUp.words())).small().weak());
+        ui.add_space(4.0);
+        ui.label("Albedo in OBJ and glTF");
+        ui.radio_value(&mut options.texture, Some(GreyBits::Eight), "Texture of 8 bits, which every program reads");
+        ui.radio_value(&mut options.texture, Some(GreyBits::Sixteen), "Texture of 16 bits in OBJ (glTF keeps 8)");
+        ui.radio_value(&mut options.texture, None, "Colours at the vertices");
+        ui.add_space(4.0);
+        self.decimation(ui, full);
+    }
+
+    fn decimation(&mut self, ui: &mut Ui, full: Option<usize>) {
+        let mut limited = self.options.triangles.is_some();
+        ui.horizontal_wrapped(|ui| {
+            ui.checkbox(&mut limited, "At most this many triangles:");
+            let field = DragValue::new(&mut self.triangles.triangles).range(4..=usize::MAX).speed(500.0);
+            let response = ui.add_enabled(limited, field);
+            response.widget_info(|| WidgetInfo::labeled(Role::SpinButton, limited, "Most triangles of a mesh"));
+        });
+        self.options.triangles = limited.then_some(self.triangles.triangles);
+        let all = full.map_or(String::new(), |full| format!("All are {full}. "));
+        let line =
+            format!("{all}Fewer load faster; how far the full mesh lies from what is left is measured and reported.");
+        ui.indent("decimation", |ui| ui.label(RichText::new(line).small().weak()));
+    }
+
     fn button(&mut self, ui: &mut Ui, session: &mut Session) {
         let document = session.document();
         let state = session.results.state(Step::Mesh, &document);
@@ -55,15 +116,19 @@ impl Export {
             && let Some(finished) = session.results.finished()
         {
             let folder = PathBuf::from(self.folder.text.trim());
-            let green = if self.green_down { GreenAxis::Down } else { GreenAxis::Up };
-            let (set, target) = (document.set.clone(), folder.clone());
+            let (set, target, options) = (document.set.clone(), folder.clone(), self.options.clone());
             let task = session.jobs.start("Write results", move |job| {
                 let output = OutputFolder::stage(target).map_err(|error| error.to_string())?;
                 let mut solved = finished.solved()?;
-                write_solved(&set, &mut solved, output, OutputOptions { green }, job).map_err(|error| error.to_string())
+                write_solved(&set, &mut solved, output, &options, job).map_err(|error| error.to_string())
             });
             self.writing = Some((folder, task));
         }
+        ui.label(
+            RichText::new("Bounces, normals, albedo, noise and depth as EXR, and the report, are always written.")
+                .small()
+                .weak(),
+        );
         match state {
             StageState::Ready => {}
             StageState::Stale | StageState::Running { .. } => advice(ui, "The results are being computed."),
@@ -87,12 +152,38 @@ impl Export {
     }
 }
 
-fn contents(ui: &mut Ui, folder: &std::path::Path, report: &Report) {
+fn pictures(ui: &mut Ui, options: &mut OutputOptions) {
+    heading(ui, "Pictures");
+    ui.label("Direction of green in normals.png");
+    ui.radio_value(&mut options.green, GreenAxis::Up, "Up, as OpenGL reads it");
+    ui.radio_value(&mut options.green, GreenAxis::Down, "Down, as DirectX reads it");
+    ui.checkbox(&mut options.depth_png, "Depth as a 16-bit PNG too");
+    let line = "For programs that read no EXR; offset and scale stand in the file and in the report.";
+    ui.indent("depth", |ui| ui.label(RichText::new(line).small().weak()));
+}
+
+fn lights(ui: &mut Ui, options: &mut OutputOptions, document: &Document) {
+    heading(ui, "Lights");
+    let reference = document.set.colours.first().map_or("reference", |colour| colour.name.as_str());
+    ui.label(format!(
+        "lights.lp: the directions to the lights of the {reference} photos, for RelightLab and RTI tools."
+    ));
+    if document.set.colours.len() > 1 {
+        ui.checkbox(&mut options.lights_per_colour, "A light file for each other colour too");
+    }
+}
+
+fn contents(ui: &mut Ui, folder: &Path, report: &Report) {
     ui.separator();
     ui.label(RichText::new(format!("Written into {}", folder.display())).strong());
-    ui.label(format!("Normals: {}", report.conventions.normals));
-    ui.label(format!("Unit of depth and mesh: {}", report.conventions.unit));
-    for (name, what) in &report.files {
-        ui.label(format!("{name}: {what}"));
+    for line in report.export.decimation_lines() {
+        ui.label(line);
     }
+    ui.label(format!("Normals: {}", report.conventions.normals));
+    ui.label(format!("Unit of depth: {}", report.conventions.unit));
+    CollapsingHeader::new(format!("{} files", report.files.len())).default_open(true).show(ui, |ui| {
+        for (name, what) in &report.files {
+            ui.label(format!("{name}: {what}"));
+        }
+    });
 }

@@ -2,6 +2,7 @@
 
 pub mod atomic;
 pub mod image_file;
+pub mod light_file;
 pub mod mesh_file;
 pub mod pipeline;
 pub mod report;

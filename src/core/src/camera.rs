@@ -80,6 +80,22 @@ impl Camera {
             }
         }
     }
+
+    /// The pixel position `(x_px, y_px)` at which a point is seen: the inverse of [`Camera::point_mm`]. Not finite for a
+    /// point in the pinhole's own plane.
+    pub fn pixel_px(&self, point_mm: &Point3<f64>) -> (f64, f64) {
+        match self.projection {
+            Projection::Orthographic { mm_per_pixel } => {
+                let scale = mm_per_pixel.unwrap_or(1.0);
+                let (width, height) = (self.size.0 as f64, self.size.1 as f64);
+                (point_mm.x / scale + width / 2.0, height / 2.0 - point_mm.y / scale)
+            }
+            Projection::Perspective { focal_length_px, principal_point_px: (x0, y0), working_distance_mm } => {
+                let per_pixel = (working_distance_mm - point_mm.z) / focal_length_px;
+                (x0 + point_mm.x / per_pixel, y0 - point_mm.y / per_pixel)
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -99,6 +115,8 @@ mod tests {
             let point = camera.point_mm(x, y, z);
             assert!((point.z - z).abs() < 1e-12);
             assert!((point - pinhole).normalize().cross(&camera.view_ray(x, y)).norm() < 1e-12);
+            let seen = camera.pixel_px(&point);
+            assert!((seen.0 - x).abs() < 1e-9 && (seen.1 - y).abs() < 1e-9, "{seen:?}");
         }
     }
 
@@ -107,6 +125,8 @@ mod tests {
         let camera = Camera { projection: Projection::Orthographic { mm_per_pixel: Some(0.2) }, size: (100, 50) };
         assert!((camera.point_mm(50.0, 25.0, 3.0) - Point3::new(0.0, 0.0, 3.0)).norm() < 1e-12);
         assert!((camera.point_mm(60.0, 20.0, 3.0) - Point3::new(2.0, 1.0, 3.0)).norm() < 1e-12);
+        let seen = camera.pixel_px(&Point3::new(2.0, 1.0, 3.0));
+        assert!((seen.0 - 60.0).abs() < 1e-12 && (seen.1 - 20.0).abs() < 1e-12, "{seen:?}");
         assert_eq!(camera.view_ray(3.0, 4.0).into_inner(), Vector3::new(0.0, 0.0, -1.0));
     }
 

@@ -10,6 +10,7 @@ pub mod calibrate;
 pub mod camera;
 pub mod colour;
 pub mod compare;
+pub mod decimate;
 pub mod depth;
 pub mod evaluate;
 pub mod indirect;

@@ -30,6 +30,7 @@ pub struct Calibrate {
     highlights: highlights::Deleted,
     histogram: histogram::Histogram,
     rig: rig::OtherRig,
+    lights: rig::OtherLights,
     in_force: Option<InForce>,
 }
 
@@ -66,6 +67,9 @@ impl Panel for Calibrate {
             });
         }
         part(ui, "other rig", |ui| ui.collapsing("Use the rig of another set", |ui| self.rig.ui(ui, session)));
+        part(ui, "light file", |ui| {
+            ui.collapsing("Use the directions of a light file", |ui| self.lights.ui(ui, session))
+        });
     }
 
     fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {

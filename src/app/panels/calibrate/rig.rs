@@ -1,7 +1,10 @@
-//! One rig for many objects: takes the calibration of another set over into this one.
+//! One rig for many objects: takes over the calibration of another set, or the directions of a light file.
+
+use std::path::{Path, PathBuf};
 
 use eframe::egui::Ui;
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::light_file::LightFile;
 use firstbounce_capture::pipeline::{Preference, calibrate};
 use firstbounce_capture::set::Calibration;
 
@@ -16,6 +19,14 @@ pub struct OtherRig {
     path: PathField,
     same_paint: bool,
     reading: Option<Task<(CaptureSet, Calibration)>>,
+    report: Vec<String>,
+}
+
+/// A light file, and what came of it.
+#[derive(Default)]
+pub struct OtherLights {
+    path: PathField,
+    reading: Option<Task<(PathBuf, LightFile)>>,
     report: Vec<String>,
 }
 
@@ -62,5 +73,48 @@ impl OtherRig {
         });
         session.done(format!("The rig of {}: {}", other.title(), lines.first().map_or("", String::as_str)));
         self.report = lines;
+    }
+}
+
+impl OtherLights {
+    /// Directions that another program measured.
+    pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
+        ui.label(
+            "Directions of a light file (.lp) of RTI tools, by the names of its photos or else in the order of its lines. \
+             They count as typed values.",
+        );
+        let dialogs = session.dialogs();
+        let chosen = self.path.ui(ui, "Light file", Choose::LightFile, &dialogs, &mut session.jobs);
+        let typed = self.path.text.trim().to_owned();
+        let pressed = ui.add_enabled(!typed.is_empty(), eframe::egui::Button::new("Use its directions")).clicked();
+        if let Some(path) = chosen.into_iter().next().or(pressed.then(|| typed.into())) {
+            self.reading = Some(session.jobs.start("Read the light file", move |_| {
+                let file = LightFile::read(&path).map_err(|error| error.to_string())?;
+                Ok((path, file))
+            }));
+        }
+        if let Some(read) = self.reading.as_ref().and_then(Task::poll) {
+            self.reading = None;
+            match read {
+                Ok((path, file)) => self.take_over(session, &path, &file),
+                Err(line) => session.error(line),
+            }
+        }
+        for line in &self.report {
+            ui.label(line);
+        }
+    }
+
+    fn take_over(&mut self, session: &mut Session, path: &Path, file: &LightFile) {
+        let mut set = session.document().set.clone();
+        match file.put_into(&mut set, path) {
+            Ok(carried) => {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                session.edit(&format!("Use the directions of {name}"), |document| document.set = set);
+                self.report = carried.lines();
+                session.done(format!("{name}: {}", self.report.first().map_or("", String::as_str)));
+            }
+            Err(error) => session.error(error.to_string()),
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! the pixels that must not be used. What a file is, its first bytes decide, never its name.
 
 mod correction;
+mod depth_png;
 mod error;
 mod exr_in;
 mod exr_out;
@@ -15,6 +16,7 @@ mod raster;
 mod read;
 mod repeats;
 mod samples;
+mod texture;
 mod tiff_in;
 
 use std::fmt;
@@ -25,14 +27,16 @@ use firstbounce_core::Plane;
 use crate::set::{Channel, Encoding};
 
 pub use correction::{Corrections, DarkFrame, FlatField, dark_frame, flat_field};
+pub use depth_png::{DepthScale, depth_png};
 pub use error::ImageError;
 pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
 pub use find::pictures_in;
 pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
-pub use png_out::{GreenAxis, grey16_png, mask_png, normals_png, preview_png};
+pub use png_out::{GreenAxis, GreyBits, grey16_png, mask_png, normals_png, preview_png};
 pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
 pub use repeats::{NoiseBin, RepeatNoise};
+pub use texture::texture_png;
 
 /// The file formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -41,6 +41,33 @@ pub fn grey16_png(plane: &Plane, white: f32) -> Result<Vec<u8>, ImageError> {
     encode_rows("grey", &[plane], L16, |[value]| [store(value).to_ne_bytes()])
 }
 
+/// How finely a grey picture is stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GreyBits {
+    /// 256 levels.
+    #[default]
+    Eight,
+    /// 65536 levels.
+    Sixteen,
+}
+
+/// A plane of linear light, 1 as white, and what it is.
+pub(super) struct Grey<'a> {
+    pub plane: &'a Plane,
+    pub what: &'a str,
+}
+
+/// A grey sRGB PNG.
+pub(super) fn srgb_png(Grey { plane, what }: Grey, bits: GreyBits) -> Result<Vec<u8>, ImageError> {
+    let encode = |light: f32| Encoding::Srgb.encode(light.clamp(0.0, 1.0));
+    match bits {
+        GreyBits::Eight => encode_rows(what, &[plane], L8, |[light]| [[(encode(light) * 255.0).round() as u8]]),
+        GreyBits::Sixteen => {
+            encode_rows(what, &[plane], L16, |[light]| [((encode(light) * 65535.0).round() as u16).to_ne_bytes()])
+        }
+    }
+}
+
 /// A mask as an 8-bit grey PNG: 255 inside, 0 outside.
 ///
 /// # Errors

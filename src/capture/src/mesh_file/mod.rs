@@ -2,6 +2,7 @@
 //!
 //! Vertex colours go out sRGB-encoded: viewers and modellers show or decode them as such.
 
+mod format;
 mod gltf;
 mod obj;
 mod ply;
@@ -17,11 +18,13 @@ use firstbounce_core::mesh::LengthUnit;
 use firstbounce_core::mesh_topology::MeshFault;
 use rayon::prelude::*;
 
+pub use format::{Axes, OutputFormat};
+pub use gltf::Embedded;
 pub use obj::Material;
 pub use ply::Quality;
 
-/// How the axes of a mesh lie, for the header of its file.
-const AXES: &str = "x right, y up, z toward the camera; triangles wind counter-clockwise seen from outside";
+/// How triangles lie, for the header of a file.
+const WINDING: &str = "triangles wind counter-clockwise seen from outside";
 
 /// How many lines or records a core formats at a time.
 const PIECE: usize = 1 << 12;
@@ -49,49 +52,81 @@ pub enum MeshFileError {
     },
 }
 
-/// Writes `mesh` as an OBJ file, textured where `material` says so.
-///
-/// # Errors
-/// [`MeshFileError`] for a mesh that does not hold together, or with the system's reason.
-pub fn write_obj(path: &Path, mesh: &Mesh, material: Option<Material>) -> Result<(), MeshFileError> {
-    write_file(path, mesh, |out| obj::obj_into(out, mesh, material))
+/// A mesh and what goes into its file with it.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshContents<'a> {
+    /// The mesh in the object frame: x right, y up, z toward the camera.
+    pub mesh: &'a Mesh,
+    /// The axes of the file; glTF keeps its own, y up.
+    pub axes: Axes,
+    /// The texture of an OBJ, whose files lie beside it.
+    pub material: Option<Material<'a>>,
+    /// The texture of a glTF, within it.
+    pub embedded: Option<Embedded<'a>>,
+    /// A number for each vertex of a PLY.
+    pub quality: Option<Quality<'a>>,
 }
 
-/// Writes `mesh` as a binary little-endian PLY file, with a number for each vertex where `quality` gives one.
-///
-/// # Errors
-/// As [`write_obj`].
-pub fn write_ply(path: &Path, mesh: &Mesh, quality: Option<Quality>) -> Result<(), MeshFileError> {
-    write_file(path, mesh, |out| ply::ply_into(out, mesh, quality))
+impl<'a> MeshContents<'a> {
+    /// The mesh alone.
+    pub fn of(mesh: &'a Mesh) -> Self {
+        Self { mesh, axes: Axes::default(), material: None, embedded: None, quality: None }
+    }
 }
 
-/// Writes `mesh` as a binary STL file.
+/// Writes a mesh as a file of this format; what the format has no place for is left out.
 ///
 /// # Errors
-/// As [`write_obj`].
-pub fn write_stl(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
-    write_file(path, mesh, |out| stl::stl_into(out, mesh))
-}
-
-/// Writes `mesh` as a binary glTF 2.0 file, in metres.
-///
-/// # Errors
-/// As [`write_obj`]; the format ends at 4 GiB.
-pub fn write_glb(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
-    write_file(path, mesh, |out| gltf::glb_into(out, mesh))
-}
-
-fn write_file(
-    path: &Path,
-    mesh: &Mesh,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), MeshFileError> {
+/// [`MeshFileError`] for a mesh that does not hold together, or with the system's reason; .glb ends at 4 GiB.
+pub fn write_mesh(path: &Path, format: OutputFormat, contents: &MeshContents) -> Result<(), MeshFileError> {
+    let MeshContents { mesh, axes, material, embedded, quality } = *contents;
     if let Some(fault) = mesh.fault() {
         return Err(MeshFileError::Fault { path: path.to_owned(), fault });
     }
     let unwritable = |error: io::Error| MeshFileError::Unwritable { path: path.to_owned(), reason: error.to_string() };
     let mut out = BufWriter::new(File::create(path).map_err(unwritable)?);
-    write(&mut out).and_then(|()| out.flush()).map_err(unwritable)
+    let axes = format.axes(axes);
+    let turned = (axes == Axes::ZUp).then(|| mesh.clone().with_z_up());
+    let mesh = turned.as_ref().unwrap_or(mesh);
+    let written = match format {
+        OutputFormat::Obj => obj::obj_into(&mut out, mesh, axes, material),
+        OutputFormat::Ply => ply::ply_into(&mut out, mesh, axes, quality),
+        OutputFormat::Stl => stl::stl_into(&mut out, mesh, axes),
+        OutputFormat::Glb => gltf::glb_into(&mut out, mesh, embedded),
+    };
+    written.and_then(|()| out.flush()).map_err(unwritable)
+}
+
+/// Writes `mesh` as an OBJ file, textured where `material` says so.
+///
+/// # Errors
+/// As [`write_mesh`].
+pub fn write_obj(path: &Path, mesh: &Mesh, material: Option<Material>) -> Result<(), MeshFileError> {
+    write_mesh(path, OutputFormat::Obj, &MeshContents { material, ..MeshContents::of(mesh) })
+}
+
+/// Writes `mesh` as a binary little-endian PLY file, with a number for each vertex where `quality` gives one.
+///
+/// # Errors
+/// As [`write_mesh`].
+pub fn write_ply(path: &Path, mesh: &Mesh, quality: Option<Quality>) -> Result<(), MeshFileError> {
+    write_mesh(path, OutputFormat::Ply, &MeshContents { quality, ..MeshContents::of(mesh) })
+}
+
+/// Writes `mesh` as a binary STL file.
+///
+/// # Errors
+/// As [`write_mesh`].
+pub fn write_stl(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
+    write_mesh(path, OutputFormat::Stl, &MeshContents::of(mesh))
+}
+
+/// Writes `mesh` as a binary glTF 2.0 file, in metres.
+///
+/// # Errors
+/// As [`write_mesh`].
+pub fn write_glb(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
+    write_mesh(path, OutputFormat::Glb, &MeshContents::of(mesh))
 }
 
 fn unit(mesh: &Mesh) -> &'static str {

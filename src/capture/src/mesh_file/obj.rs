@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use firstbounce_core::Mesh;
 
-use super::{AXES, unit, write_all};
+use super::{Axes, WINDING, unit, write_all};
 use crate::set::Encoding;
 
 /// A texture for an OBJ file.
@@ -26,23 +26,24 @@ impl Material<'_> {
 }
 
 /// Writes `v x y z r g b`, `vt`, `vn` and `f a/a/a b/b/b c/c/c` lines; normals, colours and texture only where there are
-/// some.
+/// some, and of colours and texture the texture: programs that read both multiply them.
 ///
 /// # Errors
 /// Those of `out`, or `InvalidInput` for a texture place that a vertex lacks.
-pub(super) fn obj_into(out: &mut impl Write, mesh: &Mesh, material: Option<Material>) -> io::Result<()> {
+pub(super) fn obj_into(out: &mut impl Write, mesh: &Mesh, axes: Axes, material: Option<Material>) -> io::Result<()> {
     let uv = material.map_or(&[][..], |material| material.uv);
     if material.is_some() && uv.len() != mesh.positions.len() {
         let reason = format!("{} texture places for {} vertices", uv.len(), mesh.positions.len());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
     }
-    writeln!(out, "# Firstbounce mesh\n# unit: {}\n# axes: {AXES}\n# colours: sRGB", unit(mesh))?;
+    writeln!(out, "# Firstbounce mesh\n# unit: {}\n# axes: {}; {WINDING}\n# colours: sRGB", unit(mesh), axes.words())?;
+    let colours = if material.is_some() { &[][..] } else { &mesh.colours };
     if let Some(Material { library, name, .. }) = material {
         writeln!(out, "mtllib {library}\nusemtl {name}")?;
     }
     write_all(out, &mesh.positions, |text, index, p| {
         write!(text, "v {} {} {}", p.x, p.y, p.z)?;
-        if let Some(colour) = mesh.colours.get(index) {
+        if let Some(colour) = colours.get(index) {
             let [r, g, b] = colour.map(|light| Encoding::Srgb.encode(light.clamp(0.0, 1.0)));
             write!(text, " {r:.5} {g:.5} {b:.5}")?;
         }

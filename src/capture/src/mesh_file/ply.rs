@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use firstbounce_core::Mesh;
 
-use super::{AXES, unit, write_all};
+use super::{Axes, WINDING, unit, write_all};
 use crate::set::Encoding;
 
 /// A number for each vertex, under the name that MeshLab and CloudCompare show as a scalar.
@@ -22,14 +22,14 @@ pub struct Quality<'a> {
 ///
 /// # Errors
 /// Those of `out`, or `InvalidInput` for a quality of another length than the mesh.
-pub(super) fn ply_into(out: &mut impl Write, mesh: &Mesh, quality: Option<Quality>) -> io::Result<()> {
+pub(super) fn ply_into(out: &mut impl Write, mesh: &Mesh, axes: Axes, quality: Option<Quality>) -> io::Result<()> {
     let values = quality.map_or(&[][..], |quality| quality.values);
     if quality.is_some() && values.len() != mesh.positions.len() {
         let reason = format!("{} quality values for {} vertices", values.len(), mesh.positions.len());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
     }
     write!(out, "ply\nformat binary_little_endian 1.0\ncomment Firstbounce mesh\ncomment unit: {}\n", unit(mesh))?;
-    write!(out, "comment axes: {AXES}\ncomment colours: sRGB\n")?;
+    write!(out, "comment axes: {}; {WINDING}\ncomment colours: sRGB\n", axes.words())?;
     if let Some(quality) = quality {
         writeln!(out, "comment quality: {}", quality.meaning)?;
     }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use firstbounce_core::ball::BallError;
 use firstbounce_core::calibrate::CalibrateError;
+use firstbounce_core::decimate::DecimateError;
 use firstbounce_core::depth::DepthError;
 use firstbounce_core::indirect::IndirectError;
 use firstbounce_core::mesh::MeshError;
@@ -158,6 +159,9 @@ pub enum PipelineError {
     /// Triangles.
     #[error("no mesh: {0}")]
     Triangles(#[from] MeshError),
+    /// Fewer triangles.
+    #[error("cannot decimate: {0}")]
+    Decimate(DecimateError),
     /// A set without truth.
     #[error("{}: no true {what} to compare with; this set was photographed, not rendered, or its truth is elsewhere: see [truth]", path.display())]
     NoTruth {
@@ -204,6 +208,15 @@ impl From<IndirectError> for PipelineError {
         match error {
             IndirectError::Cancelled => Self::Cancelled,
             error => Self::Indirect(error),
+        }
+    }
+}
+
+impl From<DecimateError> for PipelineError {
+    fn from(error: DecimateError) -> Self {
+        match error {
+            DecimateError::Cancelled => Self::Cancelled,
+            error => Self::Decimate(error),
         }
     }
 }

@@ -1,24 +1,22 @@
 //! Results to files.
 
+mod lights;
+mod meshes;
+mod options;
+
 use std::path::{Path, PathBuf};
 
 use firstbounce_core::{NormalMap, Plane};
 use indexmap::IndexMap;
 
 use super::watch::Part;
-use super::{PipelineError, PipelineWatch, Solved, Stage, StageCost, Surfaced};
+use super::{PipelineError, PipelineWatch, Solved, Stage, StageCost, Surfaced, camera_of};
 use crate::atomic::{OutputFolder, WriteError};
-use crate::image_file::{ExrLayer, GreenAxis, ImageError, normals_png, write_exr};
-use crate::mesh_file::{write_obj, write_ply};
-use crate::report::{Report, html, overview};
+use crate::image_file::{ExrLayer, ImageError, depth_png, normals_png, write_exr};
+use crate::report::{ExportWords, Report, html, overview, unit_word};
 use crate::set::CaptureSet;
 
-/// How to write results.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct OutputOptions {
-    /// The direction of green in normals.png.
-    pub green: GreenAxis,
-}
+pub use options::OutputOptions;
 
 /// Writes every result into `folder`, which was staged before the work began so that an unwritable one is known early, and
 /// returns the report that lies there too. Until all of it is written, nothing in the folder changes.
@@ -26,21 +24,22 @@ pub fn write_solved(
     set: &CaptureSet,
     solved: &mut Solved,
     folder: OutputFolder,
-    options: OutputOptions,
+    options: &OutputOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Report, PipelineError> {
+    options.check()?;
     let mut stages = std::mem::take(&mut solved.stages);
     let mut files = Files { folder, written: IndexMap::new() };
     let written =
         StageCost::measure(&mut stages, Stage::Write, || write_results(set, solved, &mut files, options, watch));
     solved.stages = stages;
-    written?;
+    let export = written?;
 
     let path = files.add("overview.png", "photo, bounces of the first light, normals before and after")?;
     write_bytes(&path, &overview(solved).png()?)?;
     files.note("report.json", "every number of this run");
     files.note("report.html", "this run on one page, with pictures");
-    let report = Report::new(set, solved, options.green, files.written.clone());
+    let report = Report::new(set, solved, options.green, export, files.written.clone());
     let json = serde_json::to_string_pretty(&report).map_err(PipelineError::Json)?;
     write_text(&files.folder.file("report.json")?, &(json + "\n"))?;
     write_text(&files.folder.file("report.html")?, &html(set, solved, &report)?)?;
@@ -75,23 +74,28 @@ fn write_results(
     set: &CaptureSet,
     solved: &Solved,
     files: &mut Files,
-    options: OutputOptions,
+    options: &OutputOptions,
     watch: &dyn PipelineWatch,
-) -> Result<(), PipelineError> {
+) -> Result<ExportWords, PipelineError> {
     let count = set.lights.len() + 2;
     for (l, light) in set.lights.iter().enumerate() {
         write_bounces(solved, l, &light.name, files)?;
         step(watch, l, count)?;
     }
-    if let Ok(after) = &solved.after {
-        write_surface(after, "", "", files, options)?;
-        step(watch, count - 2, count)?;
+    lights::write_lights(set, &solved.calibrated, options, files)?;
+    let surfaces =
+        [(solved.after.as_ref().ok(), "", ""), (solved.before.as_ref(), "-raw", " from the photos as they are")];
+    let unit = surfaces.iter().find_map(|(surface, ..)| surface.map(|surface| surface.mesh.unit));
+    let mut export = ExportWords::of(options, unit);
+    for (index, (surface, suffix, origin)) in (count - 2..).zip(surfaces) {
+        let Some(surface) = surface else { continue };
+        write_surface(surface, (suffix, origin), files, options, &mut export)?;
+        let part = Part::of(watch, Stage::Write, index, count);
+        let camera = camera_of(set, surface.shape.depth.mask.size());
+        meshes::write_meshes(surface, (suffix, origin), &camera, options, files, &mut export, &part)?;
+        step(watch, index, count)?;
     }
-    if let Some(before) = &solved.before {
-        write_surface(before, "-raw", " from the photos as they are", files, options)?;
-        step(watch, count - 1, count)?;
-    }
-    Ok(())
+    Ok(export)
 }
 
 fn step(watch: &dyn PipelineWatch, index: usize, count: usize) -> Result<(), PipelineError> {
@@ -128,13 +132,13 @@ fn write_bounces(solved: &Solved, l: usize, light: &str, files: &mut Files) -> R
     Ok(())
 }
 
-/// Normals, albedo, depth and mesh; `suffix` goes into the names, `origin` into what is said of them.
+/// Normals, albedo and depth; `suffix` goes into the names, `origin` into what is said of them.
 fn write_surface(
     surfaced: &Surfaced,
-    suffix: &str,
-    origin: &str,
+    (suffix, origin): (&str, &str),
     files: &mut Files,
-    options: OutputOptions,
+    options: &OutputOptions,
+    export: &mut ExportWords,
 ) -> Result<(), PipelineError> {
     let Surfaced { shape, mesh } = surfaced;
     let map: &NormalMap = &shape.normals.map;
@@ -151,8 +155,12 @@ fn write_surface(
         let path = files.add(format!("{name}{suffix}.exr"), format!("{what}{origin}"))?;
         write_exr(&path, &[ExrLayer { name, channels: vec![("Y", plane)] }])?;
     }
-    write_obj(&files.add(format!("mesh{suffix}.obj"), format!("mesh{origin}"))?, mesh, None)?;
-    write_ply(&files.add(format!("mesh{suffix}.ply"), format!("mesh{origin}, with albedo as colour"))?, mesh, None)?;
+    if options.depth_png {
+        let name = format!("depth{suffix}.png");
+        let (png, scale) = depth_png(&shape.depth.depth_mm, &shape.depth.mask, unit_word(mesh.unit))?;
+        write_bytes(&files.add(&name, format!("depth{origin}, 16 bits: {}", scale.words()))?, &png)?;
+        export.depth_png.insert(name, scale);
+    }
     Ok(())
 }
 

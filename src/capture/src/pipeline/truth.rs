@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use firstbounce_core::depth::DepthOptions;
 use firstbounce_core::mesh::{MeshOptions, from_depth};
 use firstbounce_core::{Mask, Mesh, NormalMap, Plane};
 
@@ -10,6 +11,10 @@ use crate::image_file::{Content, ImageFile, ReadOptions, read_image_as};
 use crate::set::CaptureSet;
 
 /// The true surface of a set: its true depth, where it also has a true normal, joined as the results are.
+///
+/// Where one part of the object hides another the true depth steps from pixel to pixel, and nothing was seen between: there
+/// the surface is torn, and not joined by a wall that the object does not have. A step is what is steeper than the
+/// integration of normals believes, so no result is torn by the same rule.
 ///
 /// # Errors
 /// `NoTruth` for a set without true depth and normals; a file that cannot be read, or of another size; no triangle.
@@ -23,7 +28,8 @@ pub fn truth_mesh(set: &CaptureSet) -> Result<Mesh, PipelineError> {
     let normals = true_normals(&set.truth_normals(), depth.size())?;
     let known = Mask::from_fn(width, height, |x, y| normals.at(x, y).is_some());
     let camera = camera_of(set, depth.size());
-    Ok(from_depth(&depth, &known, &camera, Some(&normals), None, &MeshOptions::default())?.0)
+    let options = MeshOptions { max_slope: Some(DepthOptions::default().max_slope) };
+    Ok(from_depth(&depth, &known, &camera, Some(&normals), None, &options)?.0)
 }
 
 /// The light of a white facet that faces the first lamp, as a rendered set was made with; `None` where nothing tells.

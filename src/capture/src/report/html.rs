@@ -46,6 +46,7 @@ pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String
                 h2 { "Calibration" }
                 (calibration_table(report))
                 h2 { "Files" }
+                (export(report))
                 (files(report))
                 h2 { "Cost" }
                 (costs(report))
@@ -210,6 +211,22 @@ fn calibration_table(report: &Report) -> Markup {
                 }
             }
         }
+    }
+}
+
+fn export(report: &Report) -> Markup {
+    let export = &report.export;
+    html! {
+        @if !export.meshes.is_empty() {
+            table {
+                tr { th { "Mesh file" } th { "axes" } th { "unit" } }
+                @for (extension, words) in &export.meshes {
+                    tr { td { "." (extension) } td { (words.axes) } td { (words.unit) } }
+                }
+            }
+        }
+        @for line in export.decimation_lines() { p { (line) "." } }
+        @for (name, scale) in &export.depth_png { p { (name) ": " (scale.words()) "." } }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a run leaves for people and programs to read: `report.json` and `report.html`.
 
 mod calibration;
+mod export;
 mod html;
 mod nayar;
 mod pictures;
@@ -8,6 +9,8 @@ mod trust;
 mod words;
 
 pub use calibration::{CalibrationWords, Row};
+pub(crate) use export::unit_word;
+pub use export::{DecimationWords, ExportWords, MeshFormatWords};
 pub use html::{html, overview};
 pub use nayar::{NayarStepWords, NayarWords};
 pub use pictures::{Picture, Pictures};

@@ -1,11 +1,10 @@
 //! `report.json`: every number of a run, by the words of the capture file.
 
-use firstbounce_core::mesh::LengthUnit;
 use firstbounce_core::separate::SeparateReport;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::{CalibrationWords, NayarWords, TrustWords};
+use super::{CalibrationWords, ExportWords, NayarWords, TrustWords, unit_word};
 use crate::image_file::GreenAxis;
 use crate::pipeline::{Method, Solved, StageCost, Surfaced};
 use crate::set::CaptureSet;
@@ -37,6 +36,8 @@ pub struct Report {
     pub no_shape: Option<String>,
     /// How to read the files.
     pub conventions: Conventions,
+    /// How meshes and depth were written.
+    pub export: ExportWords,
     /// What was written, by path relative to the report.
     pub files: IndexMap<String, String>,
     /// What a person should know before trusting the numbers.
@@ -173,8 +174,14 @@ impl Conventions {
 }
 
 impl Report {
-    /// The report of a run; `files` are what it wrote.
-    pub fn new(set: &CaptureSet, solved: &Solved, green: GreenAxis, files: IndexMap<String, String>) -> Self {
+    /// The report of a run; `files` are what it wrote, by the conventions that `green` and `export` tell.
+    pub fn new(
+        set: &CaptureSet,
+        solved: &Solved,
+        green: GreenAxis,
+        export: ExportWords,
+        files: IndexMap<String, String>,
+    ) -> Self {
         let size = solved.object.mask.size();
         let shape = solved.after.as_ref().ok().map(ShapeWords::of);
         let names = set.lights.iter().map(|light| light.name.clone());
@@ -203,6 +210,7 @@ impl Report {
             shape,
             before: solved.before.as_ref().map(ShapeWords::of),
             no_shape: solved.after.as_ref().err().map(ToString::to_string),
+            export,
             files,
             warnings,
             stages: solved.stages.clone(),
@@ -253,10 +261,7 @@ impl ShapeWords {
             mesh: MeshWords {
                 vertices: surfaced.mesh.positions.len(),
                 triangles: surfaced.mesh.triangles.len(),
-                unit: match surfaced.mesh.unit {
-                    LengthUnit::Millimetre => "mm",
-                    LengthUnit::Pixel => "px",
-                },
+                unit: unit_word(surfaced.mesh.unit),
                 bounds: surfaced.mesh.bounds().map(|(low, high)| [corner(low), corner(high)]),
             },
         }

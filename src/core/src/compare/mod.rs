@@ -9,6 +9,7 @@ mod align;
 #[cfg(test)]
 mod align_tests;
 mod cells;
+mod deviation;
 mod distances;
 mod heat_map;
 mod motion;
@@ -22,6 +23,7 @@ pub(crate) mod test_meshes;
 pub(crate) use cells::first_in_cell;
 
 pub use align::{Alignment, Iteration, align};
+pub use deviation::{Deviation, deviation};
 pub use distances::{Comparison, DistanceOptions, distances};
 pub use heat_map::colour_by_distance;
 pub use motion::FreeMotion;
@@ -123,11 +125,14 @@ pub enum CompareError {
     Cancelled,
 }
 
+/// Refuses a mesh without a surface.
+fn check_sound(mesh: &Mesh, side: Side) -> Result<(), CompareError> {
+    mesh.fault().map_or(Ok(()), |fault| Err(CompareError::Mesh { side, fault }))
+}
+
 /// Refuses a mesh that cannot be measured in mm.
 fn check_mesh(mesh: &Mesh, side: Side) -> Result<(), CompareError> {
-    if let Some(fault) = mesh.fault() {
-        return Err(CompareError::Mesh { side, fault });
-    }
+    check_sound(mesh, side)?;
     if mesh.unit != LengthUnit::Millimetre {
         return Err(CompareError::NotInMillimetres { side });
     }

@@ -6,7 +6,7 @@ use parry3d::query::PointQueryWithLocation;
 use parry3d::shape::{TriMesh, TrianglePointLocation};
 
 use super::cells::clustered;
-use super::{CompareError, Side, check_mesh};
+use super::{CompareError, Side, check_mesh, check_sound};
 use crate::Mesh;
 use crate::mesh_topology::OpenEdges;
 
@@ -42,6 +42,12 @@ impl Surface {
     /// Welds, finds borders and normals, builds the hierarchy.
     pub fn new(mesh: &Mesh, side: Side) -> Result<Self, CompareError> {
         check_mesh(mesh, side)?;
+        Self::in_own_unit(mesh, side)
+    }
+
+    /// The same for a mesh in mm or in pixels; all lengths are then in its unit.
+    pub fn in_own_unit(mesh: &Mesh, side: Side) -> Result<Self, CompareError> {
+        check_sound(mesh, side)?;
         let (mesh, _) = mesh.welded();
         let (centre, diagonal_mm) = centre_and_diagonal(&mesh, side)?;
         Self::around(&mesh, side, centre, diagonal_mm)

@@ -23,7 +23,7 @@ const STL: &str = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1
 
 fn stl_binary() -> Vec<u8> {
     let mut bytes = Vec::new();
-    stl_into(&mut bytes, &tetrahedron()).unwrap();
+    stl_into(&mut bytes, &tetrahedron(), crate::mesh_file::Axes::YUp).unwrap();
     bytes
 }
 

@@ -52,7 +52,7 @@ impl BallPhotos {
 pub(super) fn needed(set: &CaptureSet, preference: Preference) -> Vec<SphereKind> {
     let given = &set.calibration;
     let all = |known: &dyn Fn(&str) -> bool| set.lights.iter().all(|light| known(&light.name));
-    let balls_only = preference == Preference::Balls;
+    let balls_only = preference != Preference::File;
     let alpha = balls_only || set.colours.len() > 1 && !all(&|light| given.alpha.contains_key(light));
     let direction = balls_only || !all(&|light| set.given_direction(light).is_some());
     let intensity = balls_only || !all(&|light| given.intensity.contains_key(light));

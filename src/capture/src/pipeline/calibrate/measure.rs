@@ -65,12 +65,12 @@ impl<'a> Measuring<'a> {
     fn choose<T>(&self, given: Option<T>, measured: Option<T>) -> Option<T> {
         match self.preference {
             Preference::File => given.or(measured),
-            Preference::Balls => measured.or(given),
+            Preference::Balls | Preference::BallsUnderGivenLights => measured.or(given),
         }
     }
 
     fn wants_balls(&self, given: bool) -> bool {
-        self.preference == Preference::Balls || !given
+        self.preference != Preference::File || !given
     }
 
     fn alpha(&self, l: usize) -> Result<Measured, PipelineError> {
@@ -157,7 +157,11 @@ impl<'a> Measuring<'a> {
             .collect::<Result<Vec<_>, _>>()?;
         for (light, measured) in self.set.lights.iter().zip(&measured) {
             let given = self.set.given_direction(&light.name).map(Known::from_file);
-            let direction = self.choose(given, measured.known.clone());
+            let measured = measured.known.clone();
+            let direction = match self.preference {
+                Preference::BallsUnderGivenLights => given.or(measured),
+                Preference::File | Preference::Balls => self.choose(given, measured),
+            };
             self.calibrated.direction.push(direction.or_else(|| light.position_mm.map(|p| Known::from_file(unit(p)))));
         }
         Ok(measured)

@@ -22,6 +22,8 @@ pub enum Source {
     Definition,
     /// capture.toml, where a person typed it or the program wrote it.
     File,
+    /// A light file (.lp).
+    LightFile,
     /// The grey ball.
     GreyBall,
     /// The ball of the object's paint.
@@ -42,6 +44,7 @@ impl Source {
         match self {
             Self::Definition => "by definition",
             Self::File => "capture.toml",
+            Self::LightFile => "light file",
             Self::GreyBall => "grey ball",
             Self::MaterialBall => "ball of the paint",
             Self::MirrorBall => "mirror ball",
@@ -207,6 +210,8 @@ pub enum Preference {
     File,
     /// The balls': to see, or to write, what they say.
     Balls,
+    /// The balls', but for directions that a light file put into the set.
+    BallsUnderGivenLights,
 }
 
 /// Calibrates a set from its file and its balls. Missing balls leave their values open; a ball that is there and cannot

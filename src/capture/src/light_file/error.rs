@@ -1,0 +1,79 @@
+//! What can be wrong with a light file.
+
+use std::path::PathBuf;
+
+/// A light file that cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}{}: {problem}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
+pub struct LightFileError {
+    /// The file.
+    pub path: PathBuf,
+    /// The line, counted from 1, where one is to blame.
+    pub line: Option<usize>,
+    /// Why.
+    pub problem: LightFileProblem,
+}
+
+/// Why a light file cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LightFileProblem {
+    /// The system does not hand it out.
+    #[error("cannot be read: {reason}")]
+    Unreadable {
+        /// What the system says.
+        reason: String,
+    },
+    /// Not text.
+    #[error("is no text file in UTF-8; a light file has a line with the count, then lines 'file x y z'")]
+    NotText,
+    /// No line.
+    #[error("holds no light; it should begin with their count, then have a line 'file x y z' for each")]
+    Empty,
+    /// The first line is no count.
+    #[error("expected the count of lights alone on this line, found '{found}'")]
+    NoCount {
+        /// What stands there.
+        found: String,
+    },
+    /// Fewer or more lines than the count says.
+    #[error("the count says {promised}, and {found} lights follow: correct it, or the file is cut off")]
+    WrongCount {
+        /// What the count says.
+        promised: usize,
+        /// How many follow.
+        found: usize,
+    },
+    /// A line of another form.
+    #[error("expected 'file x y z', found '{found}'")]
+    NotALight {
+        /// What stands there.
+        found: String,
+    },
+    /// Three numbers without a file.
+    #[error("the file name is missing before '{found}'")]
+    NoFile {
+        /// What stands there.
+        found: String,
+    },
+    /// No direction.
+    #[error("the direction of {file} is {found}, which points nowhere: three finite numbers, not all zero, are needed")]
+    NoDirection {
+        /// The photo.
+        file: String,
+        /// What stands there.
+        found: String,
+    },
+    /// Neither names nor the count fit the set.
+    #[error(
+        "none of its file names is a photo of the set (the first is {first}), and its {found} lights are not the set's \
+         {lights}: use the names of the set's photos, or one line for each light in the set's order"
+    )]
+    Strange {
+        /// The first name.
+        first: String,
+        /// How many lights the file has.
+        found: usize,
+        /// How many lights the set has.
+        lights: usize,
+    },
+}
