@@ -6,6 +6,7 @@ mod error;
 mod evaluate;
 mod load;
 mod output;
+pub mod simulate;
 mod solve;
 mod survey;
 mod trust;
