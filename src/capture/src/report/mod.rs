@@ -2,12 +2,15 @@
 
 mod calibration;
 mod html;
+mod paper;
 mod pictures;
+mod plot;
 mod trust;
 mod words;
 
 pub use calibration::{CalibrationWords, Row};
 pub use html::{html, overview};
+pub use paper::{Figure3Words, PUBLISHED, PaperErrorWords, PaperRowWords, PaperWords, PublishedWords, paper_html};
 pub use pictures::{Picture, Pictures};
 pub use trust::{LightTrustWords, NormalTrustWords, ReasonWords, TrustWords};
 pub use words::{Conventions, DepthWords, LightWords, MeshWords, Report, SetWords, ShapeWords};
