@@ -8,7 +8,11 @@ mod demo;
 mod evaluate;
 mod info;
 mod open;
+mod paper;
+mod plan;
 mod progress;
+mod scene;
+mod simulate;
 mod solve;
 mod table;
 
@@ -43,6 +47,12 @@ pub enum Command {
     Compare(compare::CompareArgs),
     /// Say what a capture set holds, and what it lacks
     Info(info::InfoArgs),
+    /// Photograph a scene whose truth is known, and write the capture set
+    Simulate(Box<simulate::SimulateArgs>),
+    /// Foretell the errors of a rig against frames and albedos
+    Plan(Box<plan::PlanArgs>),
+    /// Do the paper's synthetic experiments again
+    Paper(paper::PaperArgs),
     /// Solve the set that comes with the program
     Demo(demo::DemoArgs),
 }
@@ -78,6 +88,9 @@ pub fn run(command: Option<Command>) -> anyhow::Result<()> {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Plan(args) => plan::run(&args),
+        Command::Paper(args) => paper::run(&args),
         Command::Demo(args) => demo::run(&args),
     }
 }

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod calibrate;
+mod lab;
 mod run;
 mod shared_sets;
 mod solve;
