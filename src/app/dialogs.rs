@@ -9,6 +9,8 @@ pub enum Choose {
     Folder,
     /// One or more pictures.
     Pictures,
+    /// A mesh file.
+    Mesh,
     /// A file to be written.
     NewFile,
 }
@@ -26,6 +28,8 @@ pub struct SystemDialogs;
 
 const PICTURES: [&str; 7] = ["png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm"];
 
+const MESHES: [&str; 3] = ["obj", "ply", "stl"];
+
 impl Dialogs for SystemDialogs {
     fn ask(&self, choose: Choose, title: &str, near: &Path) -> Vec<PathBuf> {
         let mut dialog = rfd::FileDialog::new().set_title(title);
@@ -35,6 +39,7 @@ impl Dialogs for SystemDialogs {
         match choose {
             Choose::Folder => dialog.pick_folder().into_iter().collect(),
             Choose::Pictures => dialog.add_filter("Pictures", &PICTURES).pick_files().unwrap_or_default(),
+            Choose::Mesh => dialog.add_filter("Meshes", &MESHES).pick_file().into_iter().collect(),
             Choose::NewFile => dialog.save_file().into_iter().collect(),
         }
     }

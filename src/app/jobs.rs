@@ -88,6 +88,12 @@ impl<T> Task<T> {
     }
 }
 
+/// Drops what may be large on a thread of its own: giving back the memory of a few photos takes longer than a frame.
+pub fn drop_aside<T: Send + 'static>(large: T) {
+    // Where no thread can be had it is dropped here.
+    let _ = std::thread::Builder::new().name("drop".into()).spawn(move || drop(large));
+}
+
 /// Every job that runs.
 pub struct Jobs {
     running: Vec<Weak<Job>>,

@@ -1,14 +1,17 @@
 //! From the command line to a window, or to one line that says why there is none.
 
-use std::panic::{self, PanicHookInfo};
+use std::cell::RefCell;
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use anyhow::{anyhow, bail};
-use eframe::egui::ViewportBuilder;
-use eframe::{NativeOptions, egui_wgpu, wgpu};
+use eframe::egui::{Context, Ui, ViewportBuilder};
+use eframe::{App, CreationContext, NativeOptions, egui_wgpu, wgpu};
 
+use super::device::{AfterLoss, Losses};
 use super::dialogs::SystemDialogs;
 use super::document::save_everything_now;
 use super::preferences::Folders;
@@ -43,33 +46,103 @@ pub fn run(start: Start) -> anyhow::Result<()> {
         super::document::Editor::open(path)?;
     }
     guard_document();
-    let device_lost = Arc::new(AtomicBool::new(false));
-    let told = device_lost.clone();
-    let attempt = panic::catch_unwind(|| {
+    let kept = Kept::default();
+    let mut losses = Losses::default();
+    let mut again = true;
+    let result = loop {
+        let Attempt { opened, result } = show(&kept, &start, &losses);
+        // A device that goes while a frame is drawn ends in a panic, which leaves the event loop half way: its next run only
+        // comes to an end, and the one after it shows the window.
+        if !opened && result.is_ok() && std::mem::take(&mut again) {
+            continue;
+        }
+        let Some(lost) = kept.borrow_mut().as_mut().and_then(Window::take_lost_device) else { break result };
+        again = true;
+        if losses.note(lost.adapter().cloned(), Instant::now()) == AfterLoss::GiveUp {
+            break Err(anyhow!(
+                "the graphics driver stopped twice; start again: an unsaved set is offered there; {ELSEWHERE}"
+            ));
+        }
+    };
+    if let (Err(_), Some(window)) = (&result, &*kept.borrow()) {
+        window.leave_to_next_run();
+    }
+    result
+}
+
+/// The window outlives what the system shows of it, should the graphics device go away.
+type Kept = Rc<RefCell<Option<Window>>>;
+
+/// What became of a window.
+struct Attempt {
+    /// Whether there was one at all.
+    opened: bool,
+    result: anyhow::Result<()>,
+}
+
+/// Shows the window until it is closed or its device is lost.
+fn show(kept: &Kept, start: &Start, losses: &Losses) -> Attempt {
+    let options = options(losses);
+    let mut opened = false;
+    let attempt = panic::catch_unwind(AssertUnwindSafe(|| {
         eframe::run_native(
             "Firstbounce",
-            options(),
+            options,
             Box::new(|creation| {
-                let mut window = Window::new(creation, Folders::of_system(), Arc::new(SystemDialogs));
-                window.watch_device(creation, told);
-                match start {
-                    Start::Set(path) => window.open(Open::Set(path)),
-                    Start::Nothing => window.restore(),
+                opened = true;
+                let mut slot = kept.borrow_mut();
+                match &mut *slot {
+                    None => *slot = Some(begin(creation, start)),
+                    Some(window) => {
+                        window.move_to(creation);
+                        let line = losses.words(window.device().adapter());
+                        window.session().warn(line);
+                    }
                 }
-                Ok(Box::new(window))
+                Ok(Box::new(Shell(kept.clone())))
             }),
         )
-    });
-    match attempt {
-        _ if device_lost.load(Ordering::Relaxed) => {
-            bail!("the graphics driver stopped; start again: an unsaved set is offered there; {ELSEWHERE}")
-        }
+    }));
+    let result = match attempt {
         Ok(result) => result.map_err(|error| explain(&error.to_string())),
         Err(payload) => Err(explain(&panic_words(payload.as_ref()))),
+    };
+    Attempt { opened, result }
+}
+
+fn begin(creation: &CreationContext<'_>, start: &Start) -> Window {
+    let mut window = Window::new(creation, Folders::of_system(), Arc::new(SystemDialogs));
+    match start {
+        Start::Set(path) => window.open(Open::Set(path.clone())),
+        Start::Nothing => window.restore(),
+    }
+    window
+}
+
+/// What eframe owns and drops.
+struct Shell(Kept);
+
+impl App for Shell {
+    fn logic(&mut self, context: &Context, frame: &mut eframe::Frame) {
+        if let Some(window) = &mut *self.0.borrow_mut() {
+            window.logic(context, frame);
+        }
+    }
+
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        if let Some(window) = &mut *self.0.borrow_mut() {
+            window.ui(ui, frame);
+        }
+    }
+
+    fn on_exit(&mut self) {
+        if let Some(window) = &mut *self.0.borrow_mut() {
+            window.on_exit();
+        }
     }
 }
 
-fn options() -> NativeOptions {
+fn options(losses: &Losses) -> NativeOptions {
     let mut options = NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("Firstbounce")
@@ -83,6 +156,7 @@ fn options() -> NativeOptions {
         // Photos are wider than the 8192 pixels that egui asks for.
         setup.device_descriptor =
             Arc::new(|adapter| wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() });
+        setup.native_adapter_selector = losses.selector();
     }
     options
 }

@@ -4,17 +4,22 @@
 
 pub mod canvas;
 pub mod commands;
+mod device;
 pub mod dialogs;
 pub mod document;
 pub mod jobs;
 mod launch;
 pub mod log;
+mod number_field;
 pub mod panels;
 pub mod path_field;
 pub mod preferences;
+pub mod reference;
 pub mod results;
 pub mod session;
 mod start;
+pub mod surface;
+pub mod theme;
 pub mod views;
 pub mod window;
 

@@ -12,7 +12,9 @@ use super::jobs::{Jobs, Wake};
 use super::log::{Level, Log};
 use super::panels::PanelName;
 use super::preferences::{Folders, Preferences};
+use super::reference::Reference;
 use super::results::{Next, Results};
+use super::surface::Surfaces;
 use super::views::{Shown, Views};
 
 /// Where a set comes from that is to be opened.
@@ -36,6 +38,10 @@ pub struct Session {
     pub jobs: Jobs,
     /// The tiles in the centre.
     pub views: Views,
+    /// What the 3D views among them show.
+    pub surfaces: Surfaces,
+    /// The scan that the surface is compared with.
+    pub reference: Reference,
     /// Lines and toasts.
     pub log: Log,
     /// What is remembered between runs.
@@ -63,6 +69,8 @@ impl Session {
             results: Results::default(),
             jobs: Jobs::new(wake),
             views: Views::default(),
+            surfaces: Surfaces::default(),
+            reference: Reference::default(),
             log: Log::default(),
             preferences: Preferences::read(&folders.preferences),
             panel: PanelName::Captures,
@@ -134,7 +142,7 @@ impl Session {
         std::mem::take(&mut self.requests)
     }
 
-    /// Opens a set in place of the one that is open. What was unsaved of that one is kept for recovery.
+    /// Opens a set in place of the one that is open, whose unsaved edits are lost: ask first, by `Chrome::open_set`.
     pub fn open(&mut self, open: Open) {
         let opened = match &open {
             Open::Set(path) => Editor::open(path).map_err(|error| error.to_string()),
@@ -201,6 +209,8 @@ impl Session {
         self.is_open = false;
         self.changed_on_disk = false;
         self.views = Views::default();
+        self.surfaces = Surfaces::default();
+        self.reference = Reference::default();
     }
 
     /// Keeps the arrangement of views beside the set. A folder that cannot be written keeps none: nothing is lost.
@@ -270,6 +280,7 @@ impl Session {
         if self.disk.as_ref().is_some_and(DiskWatch::take_written) {
             self.changed_on_disk = self.editor.changed_on_disk();
         }
+        self.update_reference();
         let document = self.document();
         if !Arc::ptr_eq(&self.noted, &document) {
             self.noted = document.clone();

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Button, RichText, ScrollArea, Ui, vec2};
+use eframe::egui::{Button, RichText, ScrollArea, Ui};
 
 use super::dialogs::Choose;
 use super::document::Recovered;
 use super::path_field::PathField;
 use super::session::{Open, Session};
+use super::theme;
 
 const NEEDED: [&str; 4] = [
     "photos of the object under at least three lamps, each in two colours or more, best in 16 bits, and without clipping",
@@ -15,6 +16,9 @@ const NEEDED: [&str; 4] = [
     "photos of a ball of the object's own paint, in the same way: how much of each colour the paint sends on",
     "photos of a mirror ball under each lamp: where the lamps are",
 ];
+
+/// Of the column in the middle, in points.
+const WIDTH: f32 = 640.0;
 
 /// The start screen's own state.
 #[derive(Default)]
@@ -28,36 +32,47 @@ impl StartScreen {
     pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) -> Option<Open> {
         let mut open = None;
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ui.set_max_width(640.0);
-            ui.add_space(24.0);
-            ui.heading("Firstbounce");
-            ui.label("Shape from photos under several lamps, without the light between an object's own walls.");
-            ui.add_space(16.0);
-            self.offer_recovered(ui, session, &mut open);
-
-            let demo = Button::new(RichText::new("Open the demo").strong()).min_size(vec2(180.0, 32.0));
-            if ui.add(demo).clicked() {
-                open = Some(Open::Demo);
-            }
-            ui.label("A corner of blue paint under three lamps in two colours, with its calibration balls: every step works at once.");
-            ui.add_space(16.0);
-
-            let dialogs = session.dialogs();
-            let label = "Open a set, or a folder of photos (you can also drop it on this window)";
-            let chosen = self.path.ui(ui, label, Choose::Folder, &dialogs, &mut session.jobs);
-            let typed = self.path.text.trim();
-            let by_button = ui.add_enabled(!typed.is_empty(), Button::new("Open this path")).clicked();
-            if let Some(path) = chosen.into_iter().next().or_else(|| by_button.then(|| PathBuf::from(typed))) {
-                open = Some(opening(path));
-            }
-            ui.add_space(16.0);
-            recent(ui, session, &mut open);
-            ui.label(RichText::new("For a set of your own you need").strong());
-            NEEDED.iter().for_each(|needed| {
-                ui.label(format!("- {needed}"));
+            let margin = ((ui.available_width() - WIDTH) / 2.0).max(0.0);
+            ui.horizontal_top(|ui| {
+                ui.add_space(margin);
+                ui.vertical(|ui| {
+                    ui.set_max_width(WIDTH.min(ui.available_width()));
+                    self.column(ui, session, &mut open);
+                });
             });
         });
         open
+    }
+
+    fn column(&mut self, ui: &mut Ui, session: &mut Session, open: &mut Option<Open>) {
+        ui.add_space(24.0);
+        ui.label(RichText::new("Firstbounce").strong().size(28.0));
+        ui.label("Shape from photos under several lamps, without the light between an object's own walls.");
+        ui.add_space(16.0);
+        self.offer_recovered(ui, session, open);
+
+        if ui.add(theme::primary(ui.visuals(), "Open the demo")).clicked() {
+            *open = Some(Open::Demo);
+        }
+        ui.label(
+            "A corner of blue paint under three lamps in two colours, with its calibration balls: every step works at once.",
+        );
+        ui.add_space(16.0);
+
+        let dialogs = session.dialogs();
+        let label = "Open a set, or a folder of photos (you can also drop it on this window)";
+        let chosen = self.path.ui(ui, label, Choose::Folder, &dialogs, &mut session.jobs);
+        let typed = self.path.text.trim();
+        let by_button = ui.add_enabled(!typed.is_empty(), Button::new("Open this path")).clicked();
+        if let Some(path) = chosen.into_iter().next().or_else(|| by_button.then(|| PathBuf::from(typed))) {
+            *open = Some(opening(path));
+        }
+        ui.add_space(16.0);
+        recent(ui, session, open);
+        ui.label(RichText::new("For a set of your own you need").strong());
+        NEEDED.iter().for_each(|needed| {
+            ui.label(format!("\u{2022} {needed}"));
+        });
     }
 
     fn offer_recovered(&mut self, ui: &mut Ui, session: &Session, open: &mut Option<Open>) {

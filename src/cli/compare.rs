@@ -3,14 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use firstbounce_capture::mesh_file::read::{LengthScale, read_mesh};
+use firstbounce_capture::OutputFolder;
+use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::mesh_file::{Quality, write_ply};
-use firstbounce_capture::pipeline::truth_mesh;
-use firstbounce_capture::{CaptureSet, OutputFolder};
+use firstbounce_capture::pipeline::{Compared, Laying, compare_meshes, read_comparable};
 use firstbounce_core::Mesh;
-use firstbounce_core::compare::{
-    AlignOptions, Alignment, Comparison, DistanceOptions, align, colour_by_distance, distances,
-};
+use firstbounce_core::compare::{AlignOptions, Alignment, Comparison, DistanceOptions, colour_by_distance};
 use nalgebra::Isometry3;
 use serde::Serialize;
 
@@ -114,60 +112,30 @@ struct IterationWords {
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
-    let (a, mut warnings) = load(&args.a, args.unit)?;
-    let (b, warnings_b) = load(&args.b, args.unit_b.unwrap_or(args.unit))?;
+    let (a, mut warnings) = read_comparable(&args.a, args.unit.into())?;
+    let (b, warnings_b) = read_comparable(&args.b, args.unit_b.unwrap_or(args.unit).into())?;
     warnings.extend(warnings_b);
     let measured = measure(args, &a, &b, &terminal);
     terminal.finish();
-    let (alignment, comparison) = measured?;
+    let Compared { alignment, comparison, warnings: of_alignment } = measured?;
     if let Some(path) = &args.heat_map {
         write_heat_map(path, &a, alignment.as_ref(), &comparison)?;
     }
-    warnings.extend(alignment.iter().flat_map(alignment_warnings));
+    warnings.extend(of_alignment);
     print_warnings(&warnings);
     let words = CompareWords::of(&comparison, alignment.as_ref(), warnings);
     if args.print.json { print_json(&words) } else { print(&text(args, &words)) }
 }
 
-/// A mesh in mm, and what a person should know of it.
-fn load(path: &Path, unit: Unit) -> anyhow::Result<(Mesh, Vec<String>)> {
-    if path.is_dir() || path.extension().is_some_and(|extension| extension == "toml") {
-        return Ok((truth_mesh(&CaptureSet::open(path)?)?, vec![]));
-    }
-    let file = read_mesh(path, unit.into())?;
-    let warnings = file.warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
-    Ok((file.mesh, warnings))
-}
-
-fn measure(
-    args: &CompareArgs,
-    a: &Mesh,
-    b: &Mesh,
-    terminal: &Terminal,
-) -> anyhow::Result<(Option<Alignment>, Comparison)> {
-    let alignment = match args.align {
-        true => Some(align(a, b, &AlignOptions::default(), &terminal.job("align"))?),
-        false => None,
-    };
+fn measure(args: &CompareArgs, a: &Mesh, b: &Mesh, terminal: &Terminal) -> anyhow::Result<Compared> {
+    let laying = if args.align { Laying::Align(AlignOptions::default()) } else { Laying::AsItCame };
     let options = DistanceOptions { limit_mm: args.limit };
-    let comparison = distances(a, b, &pose(alignment.as_ref()), &options, &terminal.job("measure"))?;
-    Ok((alignment, comparison))
+    Ok(compare_meshes(a, b, &laying, &options, (&terminal.job("align"), &terminal.job("measure")))?)
 }
 
 /// Where A lies: as it came, unless it was laid onto B.
 fn pose(alignment: Option<&Alignment>) -> Isometry3<f64> {
     alignment.map_or_else(Isometry3::identity, |alignment| alignment.moving_to_fixed)
-}
-
-fn alignment_warnings(alignment: &Alignment) -> Vec<String> {
-    let mut warnings: Vec<_> = alignment.free.iter().map(|free| format!("the {free}: do not trust it there")).collect();
-    if !alignment.converged {
-        warnings.push("the alignment did not come to rest; look at the rms of its iterations".into());
-    }
-    if alignment.searched {
-        warnings.push("the meshes lay so far apart that other starts were tried: look at the result".into());
-    }
-    warnings
 }
 
 /// Writes A where it was laid, coloured up to the distance that 95 % stay below.

@@ -40,6 +40,12 @@ fn text(evaluation: &Evaluation) -> String {
     rows.push(angles("photos as they are", errors.raw, evaluation.depth_rmse_raw_mm));
     let separated = format!("bounce 1 of {}", evaluation.bounces);
     rows.push(angles(&separated, errors.separated, evaluation.depth_rmse_mm));
+    if let Some(nayar) = &evaluation.nayar {
+        for (k, iteration) in nayar.iterations.iter().enumerate().skip(1) {
+            rows.push(angles(&format!("Nayar's method, iteration {k}"), iteration.error_deg, None));
+        }
+        rows.push(angles(&format!("Nayar's method, {}", nayar.ending), nayar.result, nayar.depth_rmse_mm));
+    }
     if let Some(ideal) = errors.true_direct {
         rows.push(angles("true direct light", ideal, None));
     }
@@ -48,11 +54,15 @@ fn text(evaluation: &Evaluation) -> String {
     }
     let bounces = (1..).zip(&evaluation.bounce_relative_error);
     let bounces: Vec<_> = bounces.map(|(k, error)| format!("bounce {k}: {:.1} %", 100.0 * error)).collect();
-    format!(
-        "{}\nrelative error of {}\n{} of {} pixels with truth compared",
-        table(&rows),
-        bounces.join(", "),
-        evaluation.pixels,
-        evaluation.pixels_with_truth
-    )
+    let mut lines = vec![table(&rows)];
+    if !bounces.is_empty() {
+        lines.push(format!("relative error of {}", bounces.join(", ")));
+    }
+    if let Some(nayar) = &evaluation.nayar {
+        let steps: Vec<_> = nayar.iterations.iter().map(|step| format!("{:.3}", step.mean_albedo)).collect();
+        let (white, source) = (nayar.white_light, &nayar.white_light_source);
+        lines.push(format!("Nayar's method: mean albedo {}; light of white {white:.4} ({source})", steps.join(" ")));
+    }
+    lines.push(format!("{} of {} pixels with truth compared", evaluation.pixels, evaluation.pixels_with_truth));
+    lines.join("\n")
 }

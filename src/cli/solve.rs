@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use firstbounce_capture::image_file::GreenAxis;
-use firstbounce_capture::pipeline::{OutputOptions, SolveOptions, solve, write_solved};
-use firstbounce_capture::report::Report;
+use firstbounce_capture::pipeline::{AlbedoScale, Method, OutputOptions, SolveOptions, solve, write_solved};
+use firstbounce_capture::report::{NayarWords, Report};
 use firstbounce_capture::{CaptureSet, OutputFolder};
 use firstbounce_core::indirect::IndirectOptions;
+use firstbounce_core::nayar::NayarOptions;
 
 use super::progress::Terminal;
 use super::table::{row, table};
@@ -41,13 +42,40 @@ pub struct MethodArgs {
     /// Half width of the window in which the noise of indirect light is averaged before normals are found; 0 for none
     #[arg(long, value_name = "PIXELS", default_value_t = IndirectOptions::default().radius_px)]
     indirect_window: usize,
+    /// How to take the light apart
+    #[arg(long, value_enum, default_value_t = MethodName::Bounces)]
+    method: MethodName,
+    /// With --method nayar: albedo of the grey ball, 0 to 1, which makes the paint's albedo absolute [default: the set's]
+    #[arg(long, value_name = "ALBEDO")]
+    grey_albedo: Option<f64>,
+    /// With --method nayar: about how many patches exchange light; time grows with the square
+    #[arg(long, value_name = "N", default_value_t = NayarOptions::default().patches)]
+    patches: usize,
+    /// With --method nayar: stop after so many iterations
+    #[arg(long, value_name = "N", default_value_t = NayarOptions::default().max_iterations)]
+    iterations: usize,
+}
+
+/// A method by its name.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MethodName {
+    /// Photos in several colours tell the bounces apart (Liao, Huang and Yang 2011)
+    Bounces,
+    /// Photos in one colour; the bounces are simulated on the shape, over and over (Nayar, Ikeuchi and Kanade 1991)
+    Nayar,
 }
 
 impl MethodArgs {
     /// As the pipeline takes them.
     pub fn options(&self) -> SolveOptions {
         let indirect = IndirectOptions { radius_px: self.indirect_window, ..IndirectOptions::default() };
-        SolveOptions { bounces: self.bounces, indirect, ..SolveOptions::default() }
+        let method = match self.method {
+            MethodName::Bounces => Method::Bounces,
+            MethodName::Nayar => Method::Nayar,
+        };
+        let nayar = NayarOptions { patches: self.patches, max_iterations: self.iterations, ..NayarOptions::default() };
+        let scale = AlbedoScale { grey_albedo: self.grey_albedo, ..AlbedoScale::default() };
+        SolveOptions { bounces: self.bounces, indirect, method, nayar, scale, ..SolveOptions::default() }
     }
 }
 
@@ -89,6 +117,59 @@ fn default_folder(set: &CaptureSet) -> PathBuf {
 
 /// What a person wants to know when it is done.
 pub fn summary(report: &Report, folder: &Path) -> String {
+    let mut lines = match &report.nayar {
+        Some(nayar) => nayar_lines(report, nayar),
+        None => separation_lines(report),
+    };
+    if let Some(shape) = &report.shape {
+        lines.push(format!(
+            "normals for {} pixels, expected noise {:.2} degrees; mesh of {} vertices in {}",
+            shape.solved_pixels, shape.mean_noise_deg, shape.mesh.vertices, shape.mesh.unit
+        ));
+    }
+    let seconds: f64 = report.stages.iter().map(|cost| cost.seconds).sum();
+    lines.push(format!(
+        "{} files in {} after {seconds:.1} s; open report.html there",
+        report.files.len(),
+        folder.display()
+    ));
+    lines.join("\n")
+}
+
+fn nayar_lines(report: &Report, nayar: &NayarWords) -> Vec<String> {
+    let mut rows = vec![row(["iteration", "normals turned, degrees", "mean albedo", "indirect, %", "unexplained, %"])];
+    for (iteration, step) in nayar.iterations.iter().enumerate() {
+        let (name, change, indirect) = match iteration {
+            0 => ("pseudo shape".to_owned(), String::new(), String::new()),
+            _ => (
+                iteration.to_string(),
+                format!("{:.2}", step.change_deg),
+                format!("{:.1}", 100.0 * step.indirect_fraction),
+            ),
+        };
+        rows.push(vec![
+            name,
+            change,
+            format!("{:.3}", step.mean_albedo),
+            indirect,
+            format!("{:.1}", 100.0 * step.residual),
+        ]);
+    }
+    vec![
+        format!("{}: Nayar's method, {} object pixels", report.set.name, report.set.mask_pixels),
+        table(&rows),
+        format!(
+            "{} after {} iterations over {} patches; light of white {:.4} ({})",
+            nayar.ending,
+            nayar.iterations.len().saturating_sub(1),
+            nayar.patches,
+            nayar.white_light,
+            nayar.white_light_source
+        ),
+    ]
+}
+
+fn separation_lines(report: &Report) -> Vec<String> {
     let mut rows = vec![row(["light", "gain of bounce 1", "condition", "mean of each bounce", "pixels left out"])];
     for (light, words) in &report.separation {
         let means: Vec<_> = words.mean.iter().map(|mean| format!("{mean:.4}")).collect();
@@ -107,17 +188,5 @@ pub fn summary(report: &Report, folder: &Path) -> String {
     ];
     lines.push(format!("separation: {}", report.trust.level));
     lines.extend(report.trust.advice.iter().map(|advice| format!("  better: {advice}")));
-    if let Some(shape) = &report.shape {
-        lines.push(format!(
-            "normals for {} pixels, expected noise {:.2} degrees; mesh of {} vertices in {}",
-            shape.solved_pixels, shape.mean_noise_deg, shape.mesh.vertices, shape.mesh.unit
-        ));
-    }
-    let seconds: f64 = report.stages.iter().map(|cost| cost.seconds).sum();
-    lines.push(format!(
-        "{} files in {} after {seconds:.1} s; open report.html there",
-        report.files.len(),
-        folder.display()
-    ));
-    lines.join("\n")
+    lines
 }

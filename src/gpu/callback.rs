@@ -69,8 +69,26 @@ impl CallbackTrait for CanvasCallback {
         let Self { source, display, placement, background, .. } = self;
         let drawing = Drawing { source, display, placement: *placement, background: *background };
         if let Some(bound) = canvas.bind(&drawing, &self.wake) {
-            *self.status.resolution.lock() = Some(bound.resolution);
+            let before = self.status.resolution.lock().replace(bound.resolution);
+            if before.is_none_or(|before| before.divisor != bound.resolution.divisor) {
+                // What is said about it was laid out before.
+                (self.wake)();
+            }
             self.bound.get_or_init(|| bound);
+        }
+        Vec::new()
+    }
+
+    fn finish_prepare(
+        &self,
+        _: &wgpu::Device,
+        _: &wgpu::Queue,
+        _: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        // Every drawing of this frame was prepared.
+        if let Some(canvas) = resources.get_mut::<CanvasGpu>() {
+            canvas.begin_frame();
         }
         Vec::new()
     }

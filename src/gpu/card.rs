@@ -63,6 +63,11 @@ impl CanvasGpu {
         Self { device, shader, colour_maps, no_plane, no_marks, textures }
     }
 
+    /// Begins a frame: what its drawings may send to the card together is limited.
+    pub fn begin_frame(&mut self) {
+        self.textures.begin_frame();
+    }
+
     /// Gathers what a drawing reads, and begins the upload of planes that the card does not have. `None` until there is
     /// something to see; `wake` is called, from any thread, when there is more.
     pub fn bind(&mut self, drawing: &Drawing<'_>, wake: &Wake) -> Option<Bound> {
@@ -71,7 +76,6 @@ impl CanvasGpu {
         if size.0 == 0 || size.1 == 0 {
             return None;
         }
-        self.textures.begin_drawing();
         let planes: Vec<_> = source.planes.iter().map(|plane| self.textures.plane(plane, wake)).collect();
         let marks = source.marks.as_ref().map(|marks| self.textures.marks(marks, wake));
         let mask = source.mask.as_ref().map(|mask| self.textures.marks(mask, wake));

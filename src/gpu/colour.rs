@@ -9,11 +9,11 @@ const CLIP_STRIPE: [f32; 3] = [0.898, 0.224, 0.208];
 /// Stripes over values below zero.
 const NEGATIVE_STRIPE: [f32; 3] = [0.118, 0.533, 0.898];
 
-/// The colour of the whole pixel `(x, y)`, sRGB bytes and alpha, on a black background; the pixel stands at the same place of
-/// the screen. Black outside the picture.
-pub fn shade(source: &Source, display: &Display, pixel: (usize, usize)) -> [u8; 4] {
+/// The colour of the whole pixel `(x, y)`, sRGB bytes and alpha; the pixel stands at the same place of the screen. The background,
+/// 0 to 1 in gamma space, outside the picture.
+pub fn shade(source: &Source, display: &Display, pixel: (usize, usize), background: [f32; 3]) -> [u8; 4] {
     let placement = Placement { origin_px: [0.0, 0.0], scale: 1.0 };
-    let drawing = Drawing { source, display, placement, background: [0.0; 3] };
+    let drawing = Drawing { source, display, placement, background };
     Twin::new(drawing).pixel([pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5]).map(to_byte)
 }
 

@@ -9,6 +9,7 @@ mod colour;
 mod difference;
 mod display;
 mod drawing;
+pub mod mesh;
 mod pyramid;
 mod shader;
 mod source;

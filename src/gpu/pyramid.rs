@@ -5,6 +5,10 @@ use rayon::prelude::*;
 /// The smallest copy has at most this many pixels on its longer side.
 const SMALLEST_SIDE: usize = 32;
 
+/// Copies up to this many pixels are made by the calling thread alone. On the UI thread that is quicker than waiting until the
+/// other cores are done with long work.
+const ALONE_PIXELS: usize = 1 << 18;
+
 /// What a texture may hold.
 pub trait Texel: Copy + Send + Sync + bytemuck::Pod {
     /// One pixel of the smaller copy for four of the larger.
@@ -52,14 +56,19 @@ pub fn halve<T: Texel>(size: (usize, usize), data: &[T]) -> Vec<T> {
     let (width, height) = size;
     let half = level_size(size, 1);
     let mut result = vec![T::zeroed(); half.0 * half.1];
-    result.par_chunks_mut(half.0).enumerate().for_each(|(y, row)| {
+    let fill = |(y, row): (usize, &mut [T])| {
         let above = &data[2 * y * width..][..width];
         let below = &data[(2 * y + 1).min(height - 1) * width..][..width];
         for (x, pixel) in row.iter_mut().enumerate() {
             let (left, right) = (2 * x, (2 * x + 1).min(width - 1));
             *pixel = T::merge([above[left], above[right], below[left], below[right]]);
         }
-    });
+    };
+    if result.len() <= ALONE_PIXELS {
+        result.chunks_mut(half.0).enumerate().for_each(fill);
+    } else {
+        result.par_chunks_mut(half.0).enumerate().for_each(fill);
+    }
     result
 }
 

@@ -225,6 +225,11 @@ impl Source {
         self.planes.first().map_or((0, 0), |plane| plane.plane.size())
     }
 
+    /// Whether some pixels may lie outside what matters.
+    pub fn has_mask(&self) -> bool {
+        self.mask.is_some()
+    }
+
     /// What the sums mean.
     pub fn kind(&self) -> Kind {
         self.kind

@@ -13,8 +13,9 @@ use super::{CanvasMarks, CanvasPlane, PlaneKey};
 /// Textures not seen for a while are given up when all of them together are larger than this: eight photos of 24 Mpx.
 const BUDGET_BYTES: u64 = 1 << 30;
 const A_WHILE: Duration = Duration::from_secs(2);
-/// Pixels sent to the card in one drawing: the window waits a few milliseconds for them, and never for a whole picture.
-const PIECE_PIXELS: usize = 1 << 21;
+/// Bytes sent to the card in one frame, by all pictures together: the window waits a few milliseconds for them, and never for a
+/// whole picture.
+const FRAME_BYTES: usize = 1 << 22;
 
 /// How much of a picture the card can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +116,7 @@ pub struct Textures {
     device: wgpu::Device,
     queue: wgpu::Queue,
     max_side: usize,
-    /// Pixels that this drawing may still send.
+    /// Bytes that this frame may still send.
     allowance: usize,
     entries: HashMap<u64, Entry>,
 }
@@ -123,7 +124,7 @@ pub struct Textures {
 impl Textures {
     /// None yet. `max_side` is the largest width or height of a texture, in pixels.
     pub fn new(device: wgpu::Device, queue: wgpu::Queue, max_side: usize) -> Self {
-        Self { device, queue, max_side, allowance: PIECE_PIXELS, entries: HashMap::new() }
+        Self { device, queue, max_side, allowance: FRAME_BYTES, entries: HashMap::new() }
     }
 
     /// The texture of a plane, its upload begun if the card does not have this version.
@@ -138,9 +139,9 @@ impl Textures {
         self.texture(marks.key, marks.size, format, marks.marks.clone(), |marks| marks.as_slice(), wake)
     }
 
-    /// Allows the transfers of one drawing.
-    pub fn begin_drawing(&mut self) {
-        self.allowance = PIECE_PIXELS;
+    /// Allows the transfers of one frame.
+    pub fn begin_frame(&mut self) {
+        self.allowance = FRAME_BYTES;
     }
 
     fn texture<T: Texel, P: Send + Sync + 'static>(

@@ -74,27 +74,31 @@ impl Transfer {
         Self { levels, wake: wake.clone(), finest: level_count(size), rows_sent: 0 }
     }
 
-    /// Sends what is ready, as far as the allowance of pixels goes.
+    /// Sends what is ready, as far as the allowance of bytes goes.
     pub fn send(&mut self, queue: &wgpu::Queue, texture: &CardTexture, allowance: &mut usize) {
-        let levels = self.levels.clone();
-        let Some(levels) = levels.get() else { return };
+        let ready = self.levels.clone();
+        let Some(levels) = ready.get() else { return };
         while self.finest > texture.dropped {
             let level = self.finest - 1;
             let (width, height) = level_size(texture.size, level);
             let is_free = width * height <= FREE_PIXELS;
-            let rows = (height - self.rows_sent).min(if is_free { height } else { *allowance / width });
+            let bytes_per_row = levels.bytes(level).len() / height;
+            let rows = (height - self.rows_sent).min(if is_free { height } else { *allowance / bytes_per_row });
             if rows == 0 {
                 (self.wake)();
                 return;
             }
             texture.write_rows(queue, level, self.rows_sent, rows, levels.bytes(level));
-            *allowance -= if is_free { 0 } else { rows * width };
+            *allowance -= if is_free { 0 } else { rows * bytes_per_row };
             self.rows_sent += rows;
             if self.rows_sent == height {
                 (self.finest, self.rows_sent) = (level, 0);
             }
         }
-        // All is on the card: the copies are given up here.
+        // All is on the card. Giving the copies back takes a while when they are large.
         self.levels = Arc::default();
+        if texture.size.0 * texture.size.1 > AT_ONCE_PIXELS {
+            std::thread::spawn(move || drop(ready));
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The graphics card of the tests, and drawing into memory with it.
 
+use std::io::Write;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuSetup, WgpuSetupExisting};
@@ -29,7 +30,7 @@ pub fn card(test: &str) -> Option<&'static Card> {
         Some(Card { instance, adapter, device, queue, colours: OnceLock::new(), values: OnceLock::new() })
     });
     if card.is_none() {
-        println!("{test}: skipped: no wgpu adapter");
+        skip(test, "no wgpu adapter");
     }
     card.as_ref()
 }
@@ -39,10 +40,15 @@ pub fn float_card(test: &str) -> Option<&'static Card> {
     let card = card(test)?;
     let usages = card.adapter.get_texture_format_features(TARGET).allowed_usages;
     if !usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
-        println!("{test}: skipped: no wgpu adapter that draws floats");
+        skip(test, "no wgpu adapter that draws floats");
         return None;
     }
     Some(card)
+}
+
+/// Past the test's own captured output: a test that did not test must be seen.
+fn skip(test: &str, missing: &str) {
+    writeln!(std::io::stderr(), "{test}: skipped: {missing}").expect("the error output is open");
 }
 
 impl Card {
@@ -99,6 +105,7 @@ impl Card {
 
     fn bind(&self, canvas: &mut CanvasGpu, drawing: &Drawing<'_>) -> Option<Bound> {
         let wake: Wake = Arc::new(|| ());
+        canvas.begin_frame();
         canvas.bind(drawing, &wake)
     }
 

@@ -195,7 +195,7 @@ fn a_whole_pixel_has_the_colour_that_the_card_gives_it() {
     let drawing = Drawing { source: &source, display: &display, placement, background: [0.0; 3] };
     let drawn = card.draw(&drawing, Output::Colours, (96, 64));
     for (x, y) in [(0, 0), (17, 40), (89, 60), (90, 60)] {
-        for (card, twin) in drawn[96 * y + x].iter().zip(shade(&source, &display, (x, y))) {
+        for (card, twin) in drawn[96 * y + x].iter().zip(shade(&source, &display, (x, y), [0.0; 3])) {
             assert!((255.0 * card - f32::from(twin)).abs() <= 1.0);
         }
     }

@@ -11,7 +11,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::wgpu::WgpuTestRenderer;
 use egui_kittest::{Harness, HarnessBuilder};
 use firstbounce::app::canvas::{Canvas, CanvasState, Compare, Drag, PrimaryDrag, Transform, View};
-use firstbounce::gpu::{self, CanvasPlane, ColourMap, Display, Drawing, Source, Twin};
+use firstbounce::gpu::{self, CanvasGpu, CanvasPlane, ColourMap, Display, Drawing, Output, Source, Twin};
 use firstbounce_core::Plane;
 
 use crate::card::card;
@@ -285,6 +285,36 @@ fn the_window_shows_what_the_twin_computes_on_both_sides_of_the_wipe() {
         }
         assert!(compared > 50_000, "{compared}");
     }
+}
+
+#[test]
+fn a_picture_larger_than_the_textures_says_so_and_keeps_its_values() {
+    let Some(card) = card("larger than the textures, in the window") else { return };
+    let render_state = card.render_state();
+    gpu::install(&render_state);
+    let mut limited = CanvasGpu::with_max_side(
+        render_state.device.clone(),
+        render_state.queue.clone(),
+        render_state.target_format,
+        Output::Colours,
+        64,
+    );
+    limited.begin_frame();
+    render_state.renderer.write().callback_resources.insert(limited);
+    let mut harness = builder()
+        .renderer(WgpuTestRenderer::from_render_state(render_state))
+        .build_ui_state(|ui, window: &mut Window| window.ui(ui), Window::default());
+    harness.render().unwrap();
+    focus(&mut harness);
+    press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
+    harness.render().unwrap();
+    harness.run();
+    let value = harness.get_by_role_and_label(Role::Image, LABEL).accesskit_node().value().unwrap_or_default();
+    assert!(value.contains("Shown at 1/4 of its resolution"), "{value}");
+    // The pixel cursor is in the middle, one step right: the number there is that of the whole picture.
+    let (x, y) = harness.state().hovered.unwrap();
+    let whole = harness.state().sources[0].values_at(x, y)[0];
+    assert!(value.contains(&format!("pixel {x}, {y}: {whole}")), "{value}");
 }
 
 #[test]

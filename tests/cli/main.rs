@@ -5,6 +5,7 @@
 mod bad_input;
 mod calibrate;
 mod lab;
+mod nayar;
 mod run;
 mod shared_sets;
 mod solve;

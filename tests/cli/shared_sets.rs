@@ -49,6 +49,20 @@ fn normals_of_rendered_sets() {
     }
 }
 
+/// On walls and bowls, each of the first three iterations leaves fewer degrees than the photos as they are.
+#[test]
+fn nayars_method_on_rendered_sets() {
+    for name in ["corner-blue", "bowl-four"] {
+        let Some(set) = shared(name) else { continue };
+        let words = json(&["evaluate", "--method", "nayar", "--iterations", "3", "--patches", "1000"], &set);
+        let iterations = words["nayar"]["iterations"].as_array().unwrap();
+        let found: Vec<_> = iterations.iter().map(|of| of["error_deg"]["mean"].as_f64().unwrap()).collect();
+        println!("{name}: {found:.2?}");
+        assert_eq!((found.len(), found[0]), (4, mean_deg(&words, "raw")), "{name}");
+        assert!(found[1..].iter().all(|error| *error < found[0]), "{name}: {found:?}");
+    }
+}
+
 #[test]
 fn calibration_of_rendered_sets() {
     let (mut inside, mut all) = (0, 0);

@@ -1,31 +1,16 @@
 //! The Captures step: what files become, by their names or by hand.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::PathBuf;
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{DroppedFile, Key, Modifiers};
+use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use firstbounce_capture::image_file::grey16_png;
 use firstbounce_capture::set::{Channel, Subject};
 use firstbounce_core::Plane;
 
 use crate::harness::Hands;
-
-/// A file as the system drops it.
-#[derive(Debug)]
-pub struct Dropped(pub PathBuf);
-
-impl DroppedFile for Dropped {
-    fn path(&self) -> &Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        fs::read(&self.0).map_err(|error| error.to_string())
-    }
-}
 
 /// A folder of small photos.
 fn folder(hands: &Hands, names: &[&str]) -> PathBuf {
@@ -39,31 +24,16 @@ fn folder(hands: &Hands, names: &[&str]) -> PathBuf {
     folder
 }
 
-fn drop_on_window(hands: &mut Hands, path: PathBuf) {
-    hands.harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
-    hands.harness.run_steps(1);
-    hands.harness.input_mut().dropped_files.clear();
-    hands.steps();
-}
-
-/// Opens a choice of names and types a new one.
-fn name_by_hand(hands: &mut Hands, choice: &str, name: &str) {
-    hands.harness.get_by_role_and_label(Role::ComboBox, choice).click();
-    hands.steps();
-    hands.type_into("New name", name);
-    hands.press(Modifiers::NONE, Key::Enter);
-}
-
 #[test]
 fn a_folder_of_unnamed_files_is_assigned_by_hand() {
     let mut hands = Hands::new();
     let folder = folder(&hands, &["DSC0001.png", "DSC0002.png"]);
-    drop_on_window(&mut hands, folder.clone());
+    hands.drop_files(&[folder.clone()]);
     assert!(hands.sees("2 files to add"));
     assert!(hands.sees("2 files do not say what they are"));
     for (file, colour) in [("DSC0001.png", "blue"), ("DSC0002.png", "green")] {
-        name_by_hand(&mut hands, &format!("Light of {file}"), "left");
-        name_by_hand(&mut hands, &format!("Colour of {file}"), colour);
+        hands.name_by_hand(&format!("Light of {file}"), "left");
+        hands.name_by_hand(&format!("Colour of {file}"), colour);
     }
     assert!(hands.sees("DSC0002.png: object, left, green"));
     hands.click_button("Add 2 files");
@@ -77,12 +47,31 @@ fn a_folder_of_unnamed_files_is_assigned_by_hand() {
 }
 
 #[test]
+fn unnamed_files_are_assigned_at_once_by_the_order_in_which_they_were_taken() {
+    let mut hands = Hands::new();
+    let folder = folder(&hands, &["DSC0001.png", "DSC0002.png", "DSC0003.png", "DSC0004.png"]);
+    hands.drop_files(&[folder]);
+    hands.harness.get_by_label("By the order in which they were taken").click_accesskit();
+    hands.harness.run_steps(30);
+    hands.type_into("Lights in order", "left, top");
+    hands.type_into("Colours in order", "blue");
+    assert!(hands.sees("2 lights and colours are named in this way, for 4 files."));
+    hands.retype("Colours in order", "blue, green");
+    hands.click_button("Assign these 4 files in order");
+    assert!(hands.sees("DSC0003.png: object, top, blue"));
+    hands.click_button("Add 4 files");
+    let set = hands.session().document().set.clone();
+    assert_eq!(set.shot(Subject::Object, Some("left"), Some("green")).unwrap().files, ["DSC0002.png"]);
+    assert!(set.check().is_empty(), "{:?}", set.check());
+}
+
+#[test]
 fn a_folder_whose_names_have_a_system_is_assigned_by_its_pattern() {
     let mut hands = Hands::new();
     let names =
         ["object/left-blue.png", "object/left-green.png", "object/top-blue.png", "object/top-green.png", "mask.png"];
     let folder = folder(&hands, &names);
-    drop_on_window(&mut hands, folder);
+    hands.drop_files(&[folder]);
     assert!(hands.sees("object/top-green.png: object, top, green"));
     assert!(hands.sees("mask.png: the object's mask"));
     hands.click_button("Add 5 files");
@@ -95,7 +84,7 @@ fn a_folder_whose_names_have_a_system_is_assigned_by_its_pattern() {
 fn one_rgb_photo_holds_all_colours() {
     let mut hands = Hands::new();
     let folder = folder(&hands, &["object/left.png", "object/top.png", "grey-sphere/left.png", "grey-sphere/top.png"]);
-    drop_on_window(&mut hands, folder);
+    hands.drop_files(&[folder]);
     hands.click_button("Add 4 files");
     let set = hands.session().document().set.clone();
     let channels: Vec<_> = set.colours.iter().map(|colour| colour.channel).collect();

@@ -5,9 +5,10 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Vec2};
-use egui_kittest::kittest::Queryable;
+use eframe::egui::{DroppedFile, Event, Key, Modifiers, Pos2, Vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, HarnessBuilder};
+use firstbounce::app::canvas::View;
 use firstbounce::app::dialogs::{Choose, Dialogs};
 use firstbounce::app::preferences::Folders;
 use firstbounce::app::session::{Open, Session};
@@ -122,6 +123,15 @@ impl Hands {
         self.steps();
     }
 
+    /// To the next control, or with Shift to the one before.
+    pub fn tab(&mut self, modifiers: Modifiers) {
+        for pressed in [true, false] {
+            let (key, physical_key, repeat) = (Key::Tab, None, false);
+            self.harness.input_mut().events.push(Event::Key { key, physical_key, pressed, repeat, modifiers });
+        }
+        self.harness.run_steps(2);
+    }
+
     pub fn click_button(&mut self, label: &str) {
         self.harness.get_by_role_and_label(Role::Button, label).click();
         self.steps();
@@ -155,5 +165,73 @@ impl Hands {
         self.harness.get_by_role_and_label(Role::SpinButton, label).type_text(text);
         self.steps();
         self.press(Modifiers::NONE, Key::Enter);
+    }
+
+    /// Opens a step by its name in the list of steps.
+    pub fn open_step(&mut self, name: &str) {
+        self.harness.get_by_label(name).click();
+        self.steps();
+    }
+
+    /// Clicks into the picture of this name, of this size and fitted into its view, at a position in its pixels.
+    pub fn click_picture(&mut self, name: &str, size: (usize, usize), at_px: [f64; 2]) {
+        let at = self.on_picture(name, size, at_px);
+        self.harness.hover_at(at);
+        self.steps();
+        self.harness.drag_at(at);
+        self.steps();
+        self.harness.drop_at(at);
+        self.steps();
+    }
+
+    /// Where a pixel of a picture that is fitted into its view lies in the window.
+    fn on_picture(&self, name: &str, size: (usize, usize), at_px: [f64; 2]) -> Pos2 {
+        let bounds = self.harness.get_by_role_and_label(Role::Image, name).rect();
+        View::Fit.transform(bounds, size, 1.0).to_screen(at_px)
+    }
+
+    /// What stands in a field of numbers.
+    pub fn number(&self, label: &str) -> f64 {
+        let node = self.harness.get_by_role_and_label(Role::SpinButton, label);
+        node.accesskit_node().numeric_value().unwrap_or_else(|| panic!("{label} is no number"))
+    }
+
+    /// Chooses what a view shows, by its menu.
+    pub fn choose_picture(&mut self, menu: &str, group: &str, picture: &str) {
+        self.click_button(menu);
+        for entry in [group, picture] {
+            self.harness.get_by_role_and_label(Role::Button, entry).click();
+            self.steps();
+        }
+    }
+
+    /// Drops files or folders on the window.
+    pub fn drop_files(&mut self, paths: &[PathBuf]) {
+        for path in paths {
+            self.harness.input_mut().dropped_files.push(Arc::new(Dropped(path.clone())));
+        }
+        self.steps();
+    }
+
+    /// Opens a choice of names and types a new one.
+    pub fn name_by_hand(&mut self, choice: &str, name: &str) {
+        self.harness.get_by_role_and_label(Role::ComboBox, choice).click();
+        self.steps();
+        self.type_into("New name", name);
+        self.press(Modifiers::NONE, Key::Enter);
+    }
+}
+
+/// A file as the system drops it.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
     }
 }

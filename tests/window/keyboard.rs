@@ -1,26 +1,17 @@
 //! What a person without a mouse, or without a screen, finds.
 
-use eframe::egui::accesskit::Role;
+use eframe::egui::accesskit::{Action, Role};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
+use firstbounce::app::commands::{COMMANDS, Command, CommandId};
 use firstbounce::app::panels::PanelName;
+use firstbounce::app::preferences::Theme;
+use firstbounce::app::session::Open;
 
 use crate::harness::Hands;
 
-const CONTROLS: [Role; 12] = [
-    Role::Button,
-    Role::CheckBox,
-    Role::ComboBox,
-    Role::Image,
-    Role::Link,
-    Role::MenuItem,
-    Role::RadioButton,
-    Role::Slider,
-    Role::SpinButton,
-    Role::Splitter,
-    Role::Tab,
-    Role::TextInput,
-];
+/// Far more than any panel has.
+const MOST_CONTROLS: usize = 400;
 
 #[test]
 fn every_control_of_every_step_has_a_name() {
@@ -29,31 +20,70 @@ fn every_control_of_every_step_has_a_name() {
     for panel in PanelName::ALL {
         hands.session().panel = panel;
         hands.steps();
-        for node in hands.harness.get_all_by(|node| CONTROLS.contains(&node.role())) {
-            let node = node.accesskit_node();
-            let name = node.label().unwrap_or_default();
-            assert!(!name.trim().is_empty(), "{}: a {:?} at {:?}", panel.title(), node.role(), node.bounding_box());
-        }
+        all_named(&hands, panel.title());
     }
+    hands.session().open(Open::Demo);
+    hands.press(Modifiers::COMMAND, Key::O);
+    all_named(&hands, "start");
 }
 
+/// Whatever takes the focus says what it is.
+fn all_named(hands: &Hands, place: &str) {
+    let takes_focus =
+        |role: Role| !matches!(role, Role::Window | Role::GenericContainer | Role::ScrollView | Role::Unknown);
+    let all = hands.harness.get_all_by(|node| takes_focus(node.role()) && is_focusable(node));
+    let mut count = 0;
+    for node in all {
+        let node = node.accesskit_node();
+        let name = node.label().unwrap_or_default();
+        assert!(!name.trim().is_empty(), "{place}: a {:?} at {:?}", node.role(), node.bounding_box());
+        count += 1;
+    }
+    assert!(count > 5, "{place}: {count} controls");
+}
+
+fn is_focusable(node: &egui_kittest::kittest::AccessKitNode<'_>) -> bool {
+    node.data().supports_action(Action::Focus)
+}
+
+/// And a number that is only passed over stays what it was measured to be.
 #[test]
-fn tab_goes_round_and_is_caught_nowhere() {
+fn tab_and_shift_tab_go_round_every_step_are_caught_nowhere_and_change_nothing() {
     let mut hands = Hands::with_demo();
     hands.rest();
+    let before = hands.session().document();
+    for panel in PanelName::ALL {
+        hands.session().panel = panel;
+        hands.steps();
+        let forth = round(&mut hands, Modifiers::NONE, panel);
+        let back = round(&mut hands, Modifiers::SHIFT, panel);
+        let mut backwards = back.clone();
+        backwards.reverse();
+        assert_eq!(forth.len(), back.len(), "{}: another way back", panel.title());
+        let start = forth.iter().position(|id| *id == backwards[0]).expect("the way back leads over the same controls");
+        let turned: Vec<_> = forth[start..].iter().chain(&forth[..start]).cloned().collect();
+        assert_eq!(turned, backwards, "{}: another order back", panel.title());
+    }
+    assert_eq!(hands.session().document(), before);
+}
+
+/// Every control that a key leads to until the first comes again.
+fn round(hands: &mut Hands, modifiers: Modifiers, panel: PanelName) -> Vec<String> {
     let mut seen = Vec::new();
-    for _ in 0..400 {
-        hands.harness.key_press_modifiers(Modifiers::NONE, Key::Tab);
-        hands.harness.run_steps(2);
-        let id = hands.harness.root().accesskit_node().tree_state.focus_id_in_tree();
-        if seen.first() == Some(&id) && seen.len() > 1 {
+    loop {
+        hands.tab(modifiers);
+        let root = hands.harness.root();
+        let id = format!("{:?}", root.accesskit_node().tree_state.focus_id_in_tree());
+        if seen.first() == Some(&id) {
             break;
         }
-        assert!(seen.last() != Some(&id), "Tab stays where it is after {} controls", seen.len());
+        let name = hands.harness.query_by(|node| node.is_focused()).map(|node| format!("{node:?}"));
+        assert!(!seen.contains(&id), "{}: caught after {} controls at {name:?}", panel.title(), seen.len());
         seen.push(id);
+        assert!(seen.len() < MOST_CONTROLS, "{}: Tab never comes round", panel.title());
     }
-    assert!(seen.len() > 10, "only {} controls", seen.len());
-    assert!(seen.len() < 400, "Tab never comes round");
+    assert!(seen.len() > 10, "{}: only {} controls", panel.title(), seen.len());
+    seen
 }
 
 #[test]
@@ -68,4 +98,69 @@ fn a_step_is_opened_by_its_key_and_a_view_by_the_next() {
     hands.press(Modifiers::NONE, Key::F6);
     assert_ne!(hands.session().views.active().map(|view| view.id), before);
     assert!(hands.harness.query_by_label("Split view right").is_none(), "no menu was opened");
+}
+
+/// Every command by the palette, with what shows that it ran.
+#[test]
+fn every_command_is_run_by_the_palette() {
+    let mut hands = Hands::with_demo();
+    hands.rest();
+    for command in COMMANDS {
+        // To be in force, these need something to act on.
+        match command.id {
+            CommandId::Undo => hands.session().edit("Name it", |document| document.set.name = "Corner".into()),
+            CommandId::Palette => continue,
+            _ if !hands.session().is_open() => {
+                let set = hands.folder.path().join("set");
+                hands.open(Open::Set(set));
+            }
+            _ => {}
+        }
+        hands.steps();
+        assert!((command.enabled)(hands.session()), "{} cannot be run", command.title);
+        run_by_palette(&mut hands, command);
+        shows_that_it_ran(&mut hands, command.id);
+        hands.press(Modifiers::NONE, Key::Escape);
+    }
+}
+
+fn run_by_palette(hands: &mut Hands, command: &Command) {
+    hands.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::P);
+    hands.type_into("Find a command", command.title);
+    hands.press(Modifiers::NONE, Key::Enter);
+    assert!(hands.harness.query_by_role_and_label(Role::TextInput, "Find a command").is_none(), "{}", command.title);
+}
+
+fn shows_that_it_ran(hands: &mut Hands, id: CommandId) {
+    let views = hands.session().views.all().count();
+    match id {
+        CommandId::OpenDemo => assert!(hands.session().document().set.folder.ends_with("config/demo")),
+        CommandId::CloseSet => assert!(hands.sees("Open the demo")),
+        CommandId::Save => assert!(hands.sees("Saved ")),
+        CommandId::SaveAs => assert!(hands.sees("Save here")),
+        CommandId::ReloadFromDisk => assert!(hands.sees("Reloaded capture.toml")),
+        CommandId::Undo => assert_eq!(hands.session().document().set.name, "Blue corner"),
+        CommandId::Redo => assert_eq!(hands.session().document().set.name, "Corner"),
+        CommandId::ShowCaptures => assert_eq!(hands.session().panel, PanelName::Captures),
+        CommandId::ShowCalibrate => assert_eq!(hands.session().panel, PanelName::Calibrate),
+        CommandId::ShowSeparate => assert_eq!(hands.session().panel, PanelName::Separate),
+        CommandId::ShowShape => assert_eq!(hands.session().panel, PanelName::Shape),
+        CommandId::ShowExport => assert_eq!(hands.session().panel, PanelName::Export),
+        CommandId::SplitRight => assert_eq!(views, 2),
+        CommandId::SplitDown => assert_eq!(views, 3),
+        CommandId::NewTab => assert_eq!(views, 4),
+        CommandId::CloseView => assert_eq!(views, 3),
+        CommandId::ToggleSteps => assert!(!hands.sees("2  Calibrate")),
+        CommandId::ToggleInspector => assert!(!hands.sees("Inspector")),
+        CommandId::ZoomIn => assert!(hands.session().preferences.ui_scale > 1.0),
+        CommandId::ZoomOut | CommandId::ZoomReset => assert!((hands.session().preferences.ui_scale - 1.0).abs() < 1e-6),
+        CommandId::ThemeDark => assert_eq!(hands.session().preferences.theme, Theme::Dark),
+        CommandId::ThemeLight => assert_eq!(hands.session().preferences.theme, Theme::Light),
+        CommandId::ThemeSystem => assert_eq!(hands.session().preferences.theme, Theme::System),
+        CommandId::Help => assert!(hands.sees("Keys and commands")),
+        CommandId::FrameTimes => assert!(hands.sees("frames on the UI thread")),
+        CommandId::About => assert!(hands.sees("CVPR 2011")),
+        // What the others do shows elsewhere: in a view, in the log, or only while something runs or has failed.
+        _ => {}
+    }
 }

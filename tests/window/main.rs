@@ -3,14 +3,18 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
+mod around;
 mod captures;
 mod disk;
 mod edits;
 mod harness;
 mod inspector;
 mod keyboard;
+mod nayar;
 mod results;
 mod rig;
 mod screenshots;
 mod separate;
 mod start;
+mod views;
+mod whole;

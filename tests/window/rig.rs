@@ -3,10 +3,10 @@
 use std::process::Command;
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, Rect};
-use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::canvas::View;
+use eframe::egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
 use firstbounce::app::panels::PanelName;
+use firstbounce::app::results::{StageState, Step};
 use firstbounce_capture::set::{SphereKind, Subject};
 
 use crate::harness::Hands;
@@ -25,36 +25,6 @@ fn calibrating() -> Hands {
     hands
 }
 
-/// Clicks into the picture of this name at a position in its pixels.
-fn click_at(hands: &mut Hands, picture: &str, size: (usize, usize), at_px: [f64; 2]) {
-    let bounds = hands.harness.get_by_role_and_label(Role::Image, picture).rect();
-    let rect = Rect::from_min_max(bounds.min, bounds.max);
-    let at: Pos2 = View::Fit.transform(rect, size, 1.0).to_screen(at_px);
-    hands.harness.hover_at(at);
-    hands.steps();
-    hands.harness.drag_at(at);
-    hands.steps();
-    hands.harness.drop_at(at);
-    hands.steps();
-}
-
-/// What stands in a field of numbers.
-fn number(hands: &Hands, label: &str) -> f64 {
-    let node = hands.harness.get_by_role_and_label(Role::SpinButton, label);
-    let node = node.accesskit_node();
-    node.numeric_value().or_else(|| node.value()?.parse().ok()).unwrap_or_else(|| panic!("{label} is no number"))
-}
-
-fn type_number(hands: &mut Hands, label: &str, text: &str) {
-    hands.harness.get_by_role_and_label(Role::SpinButton, label).click();
-    hands.steps();
-    hands.press(Modifiers::COMMAND, Key::A);
-    hands.harness.input_mut().events.push(eframe::egui::Event::Text(text.into()));
-    hands.steps();
-    hands.press(Modifiers::NONE, Key::Enter);
-    hands.steps();
-}
-
 fn grey_circle(hands: &mut Hands) -> Option<firstbounce_capture::set::Circle> {
     hands.session().document().set.circle(Subject::GreySphere, SphereKind::Grey)
 }
@@ -66,7 +36,7 @@ fn a_click_beside_the_grey_ball_finds_its_edge_and_alpha_is_that_of_the_command_
         document.set.spheres.retain(|sphere| sphere.subject != Subject::GreySphere);
     });
     hands.rest();
-    click_at(&mut hands, "Grey ball, left, blue", (200, 200), [188.0, 130.0]);
+    hands.click_picture("Grey ball, left, blue", (200, 200), [188.0, 130.0]);
     hands.wait_until("the ball to be found", |session| {
         session.document().set.circle(Subject::GreySphere, SphereKind::Grey).is_some()
     });
@@ -83,9 +53,9 @@ fn a_click_beside_the_grey_ball_finds_its_edge_and_alpha_is_that_of_the_command_
     let program = Command::new(env!("CARGO_BIN_EXE_firstbounce")).arg("calibrate").arg("--json").arg(folder).output();
     let printed: serde_json::Value = serde_json::from_slice(&program.unwrap().stdout).unwrap();
     for (light, index) in [("left", 0), ("top", 1), ("right", 2)] {
-        let shown = number(&hands, &format!("alpha, {light}, green"));
+        let shown = hands.number(&format!("alpha, {light}, green"));
         let alpha = printed["alpha"][light][1].as_f64().unwrap();
-        assert!((shown - alpha).abs() < 1e-4, "{light}: {shown} in the window, {alpha} by the command line");
+        assert!((shown - alpha).abs() < 1e-12, "{light}: {shown} in the window, {alpha} by the command line");
         let exact = hands.session().results.calibration().unwrap().calibrated.alpha[index].as_ref().unwrap()[1].value;
         assert!((exact - alpha).abs() < 1e-12);
     }
@@ -115,22 +85,22 @@ fn the_arrow_keys_nudge_the_circle_and_undo_puts_it_back() {
 #[test]
 fn a_typed_beta_wins_is_judged_at_once_and_goes_back_to_what_was_measured() {
     let mut hands = calibrating();
-    let measured = number(&hands, "beta, green");
+    let measured = hands.number("beta, green");
     assert!(!hands.sees("do not trust"));
-    type_number(&mut hands, "beta, green", "0.97");
+    hands.type_number("beta, green", "0.97");
     assert_eq!(hands.session().document().set.calibration.beta, Some(vec![1.0, 0.97]));
     assert!(hands.sees("do not trust"), "at once");
     assert!(hands.sees("times the noise of a photo"));
+    hands.rest();
     hands.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(hands.session().document().set.calibration.beta, None);
     assert!(!hands.sees("do not trust"));
 
-    type_number(&mut hands, "beta, green", "0.6");
+    hands.type_number("beta, green", "0.6");
     hands.click_button("Back to measured, beta, green");
     hands.rest();
     assert_eq!(hands.session().document().set.calibration.beta, None);
-    let again = number(&hands, "beta, green");
-    assert!((again - measured).abs() < 1e-4, "{again} for {measured}");
+    assert_eq!(hands.number("beta, green"), measured);
 }
 
 #[test]
@@ -147,4 +117,38 @@ fn the_rig_of_another_set_is_taken_over_by_the_names_of_its_lights() {
     assert_eq!((calibration.direction.len(), calibration.intensity.len()), (3, 3));
     assert_eq!(calibration.beta, None, "another paint");
     assert!(hands.sees("taken over for left, top, right"));
+}
+
+#[test]
+fn no_file_is_read_again_for_a_typed_value_or_a_moved_circle() {
+    let mut hands = calibrating();
+    let folder = hands.session().document().set.folder.clone();
+    for ball in ["grey-sphere", "material-sphere", "mirror-sphere"] {
+        std::fs::remove_dir_all(folder.join(ball)).unwrap();
+    }
+    let alpha = hands.number("alpha, left, green");
+    hands.type_number("Grey ball, radius", "80");
+    hands.type_number("intensity, top", "1.1");
+    hands.rest();
+    let document = hands.session().document();
+    for step in [Step::Measure, Step::Calibrate, Step::Mesh] {
+        assert_eq!(hands.session().results.state(step, &document), StageState::Ready, "{step}");
+    }
+    assert!((hands.number("intensity, top") - 1.1).abs() < 1e-12);
+    let fitted = hands.number("alpha, left, green");
+    assert!(fitted != alpha && (fitted / alpha - 1.0).abs() < 0.01, "{fitted} for {alpha}: fitted anew");
+}
+
+#[test]
+fn a_number_that_is_only_looked_at_stays_measured_to_its_last_digit() {
+    let mut hands = calibrating();
+    let before = hands.session().document();
+    let measured = hands.number("beta, green");
+    hands.harness.get_by_role_and_label(Role::SpinButton, "beta, green").click();
+    hands.steps();
+    hands.press(Modifiers::NONE, Key::Tab);
+    hands.press(Modifiers::NONE, Key::Tab);
+    hands.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(hands.session().document(), before);
+    assert_eq!(hands.number("beta, green"), measured);
 }

@@ -32,6 +32,8 @@ fn a_beta_typed_too_close_to_one_is_not_trusted_until_it_is_undone() {
     assert!(hands.sees("Do not trust"));
     assert!(hands.sees("Beta of green is 0.970: blue and green see the paint alike"));
 
+    // A typed value that was computed with, and is taken back, must not outlive its edit.
+    hands.rest();
     hands.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(hands.session().document().set.calibration.beta, None);
     assert!(!hands.sees("Do not trust"));
@@ -62,4 +64,18 @@ fn a_typed_beta_gives_way_to_the_measured_one() {
     hands.type_number("beta of green", "0.6");
     hands.click_button("Use the measured beta");
     assert_eq!(hands.session().document().set.calibration.beta, None);
+}
+
+#[test]
+fn a_negative_bounce_1_is_told_in_words() {
+    let mut hands = at_separate();
+    hands.session().edit("Type alpha", |document| {
+        for light in ["left", "top", "right"] {
+            document.set.calibration.alpha.insert(light.into(), vec![1.0, 30.0]);
+        }
+    });
+    hands.steps();
+    assert!(hands.sees("Do not trust") && hands.sees("bounce 1 comes out negative"));
+    assert!(hands.sees("bounce 1 is negative"), "in the place of percentages");
+    assert!(!hands.sees("inf ") && !hands.sees("NaN"));
 }

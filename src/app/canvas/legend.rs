@@ -27,7 +27,7 @@ pub fn paint(painter: &Painter, canvas: Rect, corner: Align2, display: &Display,
     let size = vec2(width + 2.0 * MARGIN, height + 2.0 * LINE + MARGIN);
     let frame = corner.align_size_within_rect(size, canvas.shrink(MARGIN));
     // Its own dark plate: legible on any picture, in either theme.
-    painter.rect(frame, 4.0, Color32::from_black_alpha(200), (1.0, Color32::from_gray(96)), StrokeKind::Inside);
+    painter.rect(frame, 4.0, Color32::from_black_alpha(235), (1.0, Color32::from_gray(96)), StrokeKind::Inside);
     let write = |at: Pos2, align: Align2, text: &str| {
         painter.text(at, align, text, FontId::proportional(11.0), Color32::from_gray(235));
     };

@@ -14,7 +14,7 @@
 //! after the canvas lies above it.
 
 mod cursor;
-mod legend;
+pub(super) mod legend;
 mod navigation;
 mod overlay;
 mod view;
@@ -105,6 +105,7 @@ pub struct Canvas<'a> {
     display: &'a Display,
     label: &'a str,
     other: Option<(&'a Source, &'a Display)>,
+    other_label: &'a str,
     legend: Option<&'a str>,
     primary: PrimaryDrag,
 }
@@ -113,7 +114,7 @@ impl<'a> Canvas<'a> {
     /// Shows `source` as `display` says.
     pub fn new(state: &'a mut CanvasState, source: &'a Source, display: &'a Display) -> Self {
         let (label, primary) = ("Picture", PrimaryDrag::default());
-        Self { state, source, display, label, other: None, legend: None, primary }
+        Self { state, source, display, label, other: None, other_label: "Other picture", legend: None, primary }
     }
 
     /// The accessible name: what the picture is. Give every canvas of a window its own.
@@ -125,6 +126,12 @@ impl<'a> Canvas<'a> {
     /// The picture to compare with.
     pub fn against(mut self, source: &'a Source, display: &'a Display) -> Self {
         self.other = Some((source, display));
+        self
+    }
+
+    /// What the picture to compare with is called.
+    pub fn other_label(mut self, label: &'a str) -> Self {
+        self.other_label = label;
         self
     }
 
@@ -160,7 +167,7 @@ impl<'a> Canvas<'a> {
 
         let shows_other = self.other.is_some() && self.holds_key(ui, &response);
         self.paint(ui, &response, &transform, shows_other);
-        self.describe(ui, &response, &transform);
+        self.describe(ui, &response, &transform, shows_other);
         self.respond(ui, response, transform, shows_other)
     }
 
@@ -185,13 +192,21 @@ impl<'a> Canvas<'a> {
                 self.paint_part(ui, right, transform, other);
                 self.paint_legend(&painter, rect, Align2::LEFT_BOTTOM, (self.source, self.display));
                 self.paint_legend(&painter, rect, Align2::RIGHT_BOTTOM, other);
+                overlay::plate(&painter, rect, Align2::LEFT_TOP, self.label);
+                overlay::plate(&painter, rect, Align2::RIGHT_TOP, self.other_label);
                 let id = response.id.with("wipe");
                 wipe::handle(ui, id, rect, &mut self.state.wipe, &format!("Wipe, {}", self.label));
             }
             None => {
                 self.paint_part(ui, rect, transform, shown);
                 self.paint_legend(&painter, rect, Align2::RIGHT_BOTTOM, shown);
+                if shows_other {
+                    overlay::plate(&painter, rect, Align2::LEFT_TOP, self.other_label);
+                }
             }
+        }
+        if let Some(line) = self.reduced() {
+            overlay::plate(&painter, rect, Align2::CENTER_TOP, &line);
         }
         let rim = ui.visuals().widgets.noninteractive.bg_stroke;
         painter.rect_stroke(transform.image_rect(), 0.0, rim, StrokeKind::Outside);
@@ -213,7 +228,15 @@ impl<'a> Canvas<'a> {
         let callback = CanvasCallback::new(&drawing, self.state.status.clone(), ui.ctx().clone());
         // The clip cuts at whole pixels; the viewport is a point wider so that rounding never leaves a gap.
         painter.add(Callback::new_paint_callback(seen.expand(1.0), callback));
-        overlay::close_up(&painter, transform, source, display);
+        overlay::close_up(&painter, transform, source, display, background);
+    }
+
+    /// That the picture is larger than the card's textures, and how it is shown.
+    fn reduced(&self) -> Option<String> {
+        let divisor = self.state.status.resolution()?.divisor;
+        (divisor > 1).then(|| {
+            format!("Shown at 1/{divisor} of its resolution: larger than the card's textures. Values are those of the whole picture.")
+        })
     }
 
     fn paint_legend(&self, painter: &Painter, rect: Rect, corner: Align2, (source, display): (&Source, &Display)) {
@@ -222,7 +245,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    fn describe(&self, ui: &Ui, response: &Response, transform: &Transform) {
+    fn describe(&self, ui: &Ui, response: &Response, transform: &Transform, shows_other: bool) {
         let label = self.label;
         response.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), label));
         let mut value = format!("Zoom {:.0} %", 100.0 * transform.scale());
@@ -232,6 +255,12 @@ impl<'a> Canvas<'a> {
         }
         if let Some(quantity) = self.legend.filter(|_| legend::has_legend(self.source)) {
             value.push_str(&format!(", {}", legend::text(self.display, quantity)));
+        }
+        if shows_other {
+            value.push_str(&format!(", shows {}", self.other_label));
+        }
+        if let Some(line) = self.reduced() {
+            value.push_str(&format!(", {line}"));
         }
         ui.ctx().accesskit_node_builder(response.id, |node| {
             node.set_value(value);

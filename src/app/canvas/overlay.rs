@@ -1,6 +1,6 @@
 //! What lies over the picture: the pixel grid and the numbers in the pixels.
 
-use eframe::egui::{Align2, Color32, FontId, Painter, Stroke};
+use eframe::egui::{Align2, Color32, FontId, Painter, Rect, Stroke};
 
 use super::view::Transform;
 use crate::gpu::{Display, Source, shade};
@@ -9,9 +9,11 @@ use crate::gpu::{Display, Source, shade};
 const GRID_FROM: f32 = 16.0;
 /// The same for numbers.
 const NUMBERS_FROM: f32 = 40.0;
+/// Points between a plate and the canvas' edge.
+const MARGIN: f32 = 10.0;
 
 /// Lines between the pixels, and their numbers, when they are large enough.
-pub fn close_up(painter: &Painter, transform: &Transform, source: &Source, display: &Display) {
+pub fn close_up(painter: &Painter, transform: &Transform, source: &Source, display: &Display, background: [f32; 3]) {
     if transform.scale() < GRID_FROM {
         return;
     }
@@ -31,16 +33,31 @@ pub fn close_up(painter: &Painter, transform: &Transform, source: &Source, displ
     }
     if transform.scale() >= NUMBERS_FROM {
         for y in rows {
-            columns.clone().for_each(|x| numbers(painter, transform, source, display, (x, y)));
+            for x in columns.clone() {
+                let ink = ink_on(shade(source, display, (x, y), background));
+                numbers(painter, transform, &source.values_at(x, y), (x, y), ink);
+            }
         }
     }
 }
 
-fn numbers(painter: &Painter, transform: &Transform, source: &Source, display: &Display, (x, y): (usize, usize)) {
-    let values = source.values_at(x, y);
-    let [red, green, blue, _] = shade(source, display, (x, y)).map(f32::from);
-    let bright = 0.299 * red + 0.587 * green + 0.114 * blue > 140.0;
-    let ink = if bright { Color32::BLACK } else { Color32::WHITE };
+/// A line on a dark plate: legible on any picture, in either theme.
+pub fn plate(painter: &Painter, canvas: Rect, corner: Align2, line: &str) {
+    let galley = painter.layout_no_wrap(line.to_owned(), FontId::proportional(12.0), Color32::from_gray(235));
+    let text = corner.align_size_within_rect(galley.size(), canvas.shrink(MARGIN));
+    painter.rect_filled(text.expand(4.0), 4.0, Color32::from_black_alpha(235));
+    painter.galley(text.min, galley, Color32::PLACEHOLDER);
+}
+
+/// Black or white, whichever stands out more (contrast ratio of WCAG 2.2).
+fn ink_on([red, green, blue, _]: [u8; 4]) -> Color32 {
+    let linear = |channel: u8| (f32::from(channel) / 255.0).powf(2.2);
+    let luminance = 0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue);
+    let (with_black, with_white) = ((luminance + 0.05) / 0.05, 1.05 / (luminance + 0.05));
+    if with_black > with_white { Color32::BLACK } else { Color32::WHITE }
+}
+
+fn numbers(painter: &Painter, transform: &Transform, values: &[f32], (x, y): (usize, usize), ink: Color32) {
     // Six characters fill the pixel's width, three lines its height.
     let font = FontId::monospace(transform.points_per_px() / 4.4);
     let text = values.iter().map(|&value| short_number(value)).collect::<Vec<_>>().join("\n");
@@ -61,6 +78,23 @@ pub fn short_number(value: f32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_stand_out_on_every_colour() {
+        let luminance = |[red, green, blue]: [u8; 3]| {
+            let linear = |channel: u8| (f32::from(channel) / 255.0).powf(2.2);
+            0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue)
+        };
+        let steps = || (0..=255_u8).step_by(15);
+        for red in steps() {
+            for (green, blue) in steps().flat_map(|green| steps().map(move |blue| (green, blue))) {
+                let below = luminance([red, green, blue]);
+                let ink = luminance(ink_on([red, green, blue, 255]).to_array()[..3].try_into().unwrap());
+                let (light, dark) = (below.max(ink), below.min(ink));
+                assert!((light + 0.05) / (dark + 0.05) > 4.5, "{red} {green} {blue}");
+            }
+        }
+    }
 
     #[test]
     fn numbers_fit_their_pixels() {

@@ -15,6 +15,8 @@ pub enum View {
     /// The whole picture, as large as it fits.
     #[default]
     Fit,
+    /// The middle of the picture, one of its pixels for one of the screen's.
+    OneToOne,
     /// A point of the picture in the middle of the canvas.
     At {
         /// That point, in pixels of the picture.
@@ -25,12 +27,21 @@ pub enum View {
 }
 
 impl View {
+    /// The same place, one to one.
+    pub fn one_to_one(self) -> Self {
+        match self {
+            Self::Fit | Self::OneToOne => Self::OneToOne,
+            Self::At { centre_px, .. } => Self::At { centre_px, scale: 1.0 },
+        }
+    }
+
     /// The transform of this view on a canvas. `rect` is in points, `size` in pixels of the picture.
     pub fn transform(self, rect: Rect, size: (usize, usize), pixels_per_point: f32) -> Transform {
         let size = [size.0 as f64, size.1 as f64];
         let fit = fit_scale(rect, size, pixels_per_point);
         let (centre_px, scale) = match self {
             Self::Fit => ([0.5 * size[0], 0.5 * size[1]], fit),
+            Self::OneToOne => ([0.5 * size[0], 0.5 * size[1]], 1.0),
             Self::At { centre_px, scale } => (centre_px, scale.clamp(least_scale(fit), MAX_SCALE)),
         };
         // Whole physical pixels: at one to one each pixel of the picture is one of the screen.

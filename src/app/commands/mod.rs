@@ -9,8 +9,10 @@ use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
 use super::panels::{PanelName, Panels};
 use super::preferences::Theme;
 use super::session::{Open, Session};
-use super::views::Arrange;
+use super::surface::SurfaceLook;
+use super::views::{Arrange, Shown};
 use super::window::Chrome;
+use crate::gpu::mesh::StandardView;
 
 pub use help::HelpSheet;
 pub use menu::menu_bar;
@@ -52,6 +54,18 @@ pub enum CommandId {
     CloseView,
     NextView,
     FitViews,
+    ViewsOneToOne,
+    ShowSurface,
+    FrontView,
+    BackView,
+    LeftView,
+    RightView,
+    TopView,
+    BottomView,
+    CornerView,
+    Turntable,
+    Lens,
+    Wireframe,
     ToggleSteps,
     ToggleInspector,
     ToggleLog,
@@ -66,7 +80,10 @@ pub enum CommandId {
     Palette,
     Help,
     FrameTimes,
+    WriteFrameTimes,
     About,
+    #[cfg(debug_assertions)]
+    LoseDevice,
 }
 
 /// A menu of the menu bar.
@@ -136,12 +153,20 @@ const fn alone(key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(Modifiers::NONE, key))
 }
 
+const fn alt(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::ALT, key))
+}
+
 fn always(_: &Session) -> bool {
     true
 }
 
 fn open(session: &Session) -> bool {
     session.is_open()
+}
+
+fn in_3d(session: &Session) -> bool {
+    session.is_open() && session.views.active().is_some_and(|view| view.shown == Shown::Surface)
 }
 
 fn nothing(_: &Session) -> Option<String> {
@@ -161,7 +186,9 @@ const fn plain(
 
 /// Every command, in the order of the menus.
 pub static COMMANDS: &[Command] = &[
-    plain(CommandId::OpenDemo, Menu::File, "Open the demo", None, always, |target| target.session.open(Open::Demo)),
+    plain(CommandId::OpenDemo, Menu::File, "Open the demo", None, always, |target| {
+        target.chrome.open_set(target.session, Open::Demo);
+    }),
     plain(CommandId::CloseSet, Menu::File, "Open another set...", ctrl(Key::O), always, |target| {
         target.chrome.leave_set(target.session);
     }),
@@ -229,6 +256,28 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::FitViews, Menu::View, "Fit pictures to their views", ctrl(Key::Num0), open, |t| {
         t.session.views.fit()
     }),
+    plain(CommandId::ViewsOneToOne, Menu::View, "Show pictures one to one", alt(Key::Num0), open, |t| {
+        t.session.views.one_to_one();
+    }),
+    plain(CommandId::ShowSurface, Menu::View, "Surface in 3D", alone(Key::F7), open, |t| {
+        t.session.views.open(Shown::Surface)
+    }),
+    plain(CommandId::FrontView, Menu::View, "Front view", alt(Key::Num1), in_3d, |t| stand(t, StandardView::Front)),
+    plain(CommandId::BackView, Menu::View, "Back view", alt(Key::Num2), in_3d, |t| stand(t, StandardView::Back)),
+    plain(CommandId::LeftView, Menu::View, "Left view", alt(Key::Num3), in_3d, |t| stand(t, StandardView::Left)),
+    plain(CommandId::RightView, Menu::View, "Right view", alt(Key::Num4), in_3d, |t| stand(t, StandardView::Right)),
+    plain(CommandId::TopView, Menu::View, "Top view", alt(Key::Num5), in_3d, |t| stand(t, StandardView::Top)),
+    plain(CommandId::BottomView, Menu::View, "Bottom view", alt(Key::Num6), in_3d, |t| stand(t, StandardView::Bottom)),
+    plain(CommandId::CornerView, Menu::View, "Corner view", alt(Key::Num7), in_3d, |t| stand(t, StandardView::Corner)),
+    plain(CommandId::Turntable, Menu::View, "Turntable on or off", alt(Key::T), in_3d, |t| {
+        surface(t, |look| look.turntable ^= true);
+    }),
+    plain(CommandId::Lens, Menu::View, "Perspective or orthographic", alt(Key::P), in_3d, |t| {
+        surface(t, SurfaceLook::other_lens);
+    }),
+    plain(CommandId::Wireframe, Menu::View, "Wireframe on or off", alt(Key::W), in_3d, |t| {
+        surface(t, |look| look.wireframe ^= true);
+    }),
     plain(CommandId::ToggleSteps, Menu::View, "Show or hide the steps", ctrl(Key::B), open, |t| t.chrome.steps ^= true),
     plain(CommandId::ToggleInspector, Menu::View, "Show or hide the inspector", ctrl(Key::I), open, |t| {
         t.chrome.inspector ^= true;
@@ -247,7 +296,16 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::FrameTimes, Menu::Help, "Frame times", ctrl_shift(Key::D), always, |t| {
         t.chrome.frame_times.toggle()
     }),
+    plain(CommandId::WriteFrameTimes, Menu::Help, "Write frame times to a file", None, always, |t| {
+        t.chrome.frame_times.write(t.session);
+    }),
     plain(CommandId::About, Menu::Help, "About Firstbounce", None, always, |t| t.chrome.about ^= true),
+    // Only in a build for development: tests take the device away by it.
+    #[cfg(debug_assertions)]
+    plain(CommandId::LoseDevice, Menu::Help, "Lose the graphics device", None, always, |t| {
+        t.chrome.device.lose();
+        t.context.request_repaint();
+    }),
 ];
 
 /// The command of this name.
@@ -272,6 +330,20 @@ pub fn pressed(context: &Context) -> Option<CommandId> {
     keys.sort_by_key(|(shortcut, _)| std::cmp::Reverse(shortcut.modifiers.shift));
     let mut candidates = keys.into_iter().filter(|(_, id)| !(typing && own(*id)));
     context.input_mut(|input| candidates.find(|(shortcut, _)| input.consume_shortcut(shortcut)).map(|(_, id)| id))
+}
+
+fn surface(target: Target<'_>, change: impl FnOnce(&mut SurfaceLook)) {
+    if let Some(view) = target.session.views.active_mut() {
+        change(&mut view.surface);
+    }
+}
+
+fn stand(target: Target<'_>, from: StandardView) {
+    let Some((id, mut look)) = target.session.views.active().map(|view| (view.id, view.surface.clone())) else {
+        return;
+    };
+    target.session.stand(id, &mut look, from);
+    surface(target, |own| *own = look);
 }
 
 fn scale_by(target: Target<'_>, factor: f32) {

@@ -3,6 +3,7 @@
 mod disk;
 mod editor;
 mod recovery;
+mod reference;
 mod settings;
 #[cfg(test)]
 mod tests;
@@ -13,7 +14,8 @@ pub use disk::{DiskWatch, SaveError, VIEW_FILE, relocated};
 pub(crate) use disk::{read_view, write_view};
 pub use editor::Editor;
 pub use recovery::{Recovered, Recovery, save_everything_now};
-pub use settings::{Settings, ShapeSettings};
+pub use reference::{FileUnit, Pose, Poses, ReferenceSettings, ReferenceSource};
+pub use settings::{NayarSettings, Settings, ShapeSettings};
 
 /// Everything that a person edits and that undo brings back. Small: photos and results are elsewhere.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,9 +2,12 @@
 
 use firstbounce_capture::pipeline::SolveOptions;
 use firstbounce_core::indirect::IndirectOptions;
+use firstbounce_core::nayar::NayarOptions;
 use firstbounce_core::normals::NormalsOptions;
 use firstbounce_core::shape::ShapeOptions;
 use serde::{Deserialize, Serialize};
+
+use super::reference::ReferenceSettings;
 
 /// How the window solves a set.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -12,6 +15,36 @@ use serde::{Deserialize, Serialize};
 pub struct Settings {
     /// From bounce 1 to the surface.
     pub shape: ShapeSettings,
+    /// The other method, for comparison.
+    pub nayar: NayarSettings,
+    /// The scan that the surface is compared with.
+    pub reference: Option<ReferenceSettings>,
+}
+
+/// Whether and how the set is also solved by Nayar's method; the numbers' defaults are those of the command line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct NayarSettings {
+    /// Whether it is: it takes seconds, or minutes with many patches.
+    pub compute: bool,
+    /// About how many patches exchange light.
+    pub patches: usize,
+    /// Iterations after which to stop.
+    pub max_iterations: usize,
+}
+
+impl Default for NayarSettings {
+    fn default() -> Self {
+        let NayarOptions { patches, max_iterations, .. } = NayarOptions::default();
+        Self { compute: false, patches, max_iterations }
+    }
+}
+
+impl NayarSettings {
+    /// As the pipeline takes them.
+    pub fn options(&self) -> NayarOptions {
+        NayarOptions { patches: self.patches, max_iterations: self.max_iterations, ..NayarOptions::default() }
+    }
 }
 
 /// How the surface is recovered; the defaults are those of the command line.

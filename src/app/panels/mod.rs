@@ -5,6 +5,7 @@ mod captures;
 mod export;
 mod inspector;
 mod part;
+mod reference;
 mod separate;
 mod shape;
 

@@ -1,12 +1,16 @@
 //! Normals and depth: which lights, how shadows are told, and what taking the bounces out has changed.
 
+mod nayar;
+
 use eframe::egui::{Button, DragValue, Grid, RichText, Ui};
-use firstbounce_capture::pipeline::{Evaluation, evaluate};
+use firstbounce_capture::pipeline::{Evaluation, Method, SolveOptions, evaluate};
 use firstbounce_core::shape::Shape;
 
 use super::Panel;
+use super::reference::ReferencePanel;
 use crate::app::document::{Document, ShapeSettings};
 use crate::app::jobs::Task;
+use crate::app::number_field;
 use crate::app::results::{Shapes, StageState, Step, When};
 use crate::app::session::Session;
 use crate::app::views::Shown;
@@ -21,6 +25,7 @@ pub struct ShapePanel {
     evaluating: Option<Task<Evaluation>>,
     /// What the truth said, and of which document.
     evaluated: Option<(std::sync::Arc<Document>, Result<Evaluation, String>)>,
+    reference: ReferencePanel,
 }
 
 impl Panel for ShapePanel {
@@ -38,9 +43,15 @@ impl Panel for ShapePanel {
             StageState::Ready => {}
         }
         if let Some(shapes) = session.results.shapes() {
+            in_3d(ui, session);
             before_and_after(ui, session, &shapes);
         }
+        ui.separator();
+        let evaluated = self.evaluated.as_ref().filter(|(of, _)| *of == document);
+        let errors = evaluated.and_then(|(_, evaluation)| evaluation.as_ref().ok()?.nayar.as_ref());
+        nayar::ui(ui, session, &document, errors);
         self.truth(ui, session, &document);
+        self.reference.ui(ui, session, &document);
     }
 }
 
@@ -77,10 +88,8 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
     Grid::new("shape options").num_columns(2).show(ui, |ui| {
         let mut percent = |ui: &mut Ui, label: &str, hover: &str, share: &mut f64| {
             let name = ui.label(label).on_hover_text(hover);
-            let mut value = 100.0 * *share;
-            let field = DragValue::new(&mut value).range(0.0..=99.0).speed(0.1).max_decimals(1).suffix(" %");
+            let field = number_field::percent(share, 1).range(0.0..=0.99).speed(0.001);
             if ui.add(field).labelled_by(name.id).changed() {
-                *share = value / 100.0;
                 changed = Some(format!("Change {}", label.to_lowercase()));
             }
             ui.end_row();
@@ -120,6 +129,14 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
     }
 }
 
+fn in_3d(ui: &mut Ui, session: &mut Session) {
+    let button = Button::new(RichText::new("Show the surface in 3D").strong().size(15.0));
+    if ui.add_sized([ui.available_width(), 30.0], button).on_hover_text("F7").clicked() {
+        session.views.open(Shown::Surface);
+    }
+    ui.add_space(4.0);
+}
+
 fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     ui.label(RichText::new("Before and after the bounces were taken out").strong());
     Grid::new("before and after").num_columns(3).striped(true).show(ui, |ui| {
@@ -148,7 +165,7 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
             Shown::Albedo(When::After),
             Shown::Difference(Box::new(Shown::Depth(When::After)), Box::new(Shown::Depth(When::Before))),
         ] {
-            if ui.button(format!("Show {}", lower_first(&shown.title()))).clicked() {
+            if ui.button(format!("Show {}", shown.title().to_lowercase())).clicked() {
                 session.views.show(shown);
             }
         }
@@ -168,11 +185,6 @@ const ROWS: &[Row] = &[
     ("Unconnected parts", |shape| shape.depth.report.islands.to_string()),
 ];
 
-fn lower_first(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
-}
-
 impl ShapePanel {
     /// For sets that know the truth.
     fn truth(&mut self, ui: &mut Ui, session: &mut Session, document: &std::sync::Arc<Document>) {
@@ -187,7 +199,7 @@ impl ShapePanel {
         }
         let free = self.evaluating.is_none();
         if ui.add_enabled(free, Button::new("Compare with the truth")).clicked() {
-            let (set, options) = (document.set.clone(), document.settings.shape.options());
+            let (set, options) = (document.set.clone(), options_of(document));
             self.evaluating = Some(session.jobs.start("Compare with the truth", move |job| {
                 evaluate(&set, &options, job).map_err(|error| error.to_string())
             }));
@@ -207,6 +219,13 @@ impl ShapePanel {
     }
 }
 
+/// As the command line would be asked: both methods, where both are looked at.
+fn options_of(document: &Document) -> SolveOptions {
+    let nayar = &document.settings.nayar;
+    let method = if nayar.compute { Method::Nayar } else { Method::Bounces };
+    SolveOptions { method, nayar: nayar.options(), ..document.settings.shape.options() }
+}
+
 fn evaluation_ui(ui: &mut Ui, evaluation: &Evaluation) {
     let errors = &evaluation.normal_error_deg;
     Grid::new("truth").num_columns(2).striped(true).show(ui, |ui| {
@@ -217,6 +236,9 @@ fn evaluation_ui(ui: &mut Ui, evaluation: &Evaluation) {
         };
         row("Normal error before, mean", format!("{:.2} degrees", errors.raw.mean));
         row("Normal error after, mean", format!("{:.2} degrees", errors.separated.mean));
+        if let Some(nayar) = &evaluation.nayar {
+            row("Normal error by Nayar's method, mean", format!("{:.2} degrees", nayar.result.mean));
+        }
         if let Some(direct) = errors.true_direct {
             row("From true direct light, mean", format!("{:.2} degrees", direct.mean));
         }

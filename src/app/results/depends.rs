@@ -5,7 +5,7 @@ use firstbounce_capture::set::{Calibration, Projection, Separation, Subject, Tru
 
 use super::Results;
 use super::stage::Step;
-use crate::app::document::{Document, ShapeSettings};
+use crate::app::document::{Document, NayarSettings, ShapeSettings};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadKey {
@@ -51,6 +51,17 @@ pub struct MeshKey {
     shape: u64,
 }
 
+#[derive(Clone, Debug, PartialEq)]
+pub struct NayarKey {
+    shape: u64,
+    grey_albedo: Option<f64>,
+    white_light: Option<f64>,
+    grey_light: Option<f64>,
+    /// Where the grey ball must be looked at once more, the calibration whose circles count.
+    calibrate: Option<u64>,
+    settings: NayarSettings,
+}
+
 /// The keys of all stages; `None` where a stage cannot be computed yet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Keys {
@@ -60,6 +71,7 @@ pub struct Keys {
     pub separate: Option<SeparateKey>,
     pub shape: Option<ShapeKey>,
     pub mesh: Option<MeshKey>,
+    pub nayar: Option<NayarKey>,
 }
 
 impl Keys {
@@ -67,7 +79,8 @@ impl Keys {
         let set = &document.set;
         let reloads = results.reloads;
         let load = LoadKey { set: photos_of(set), reloads };
-        let mut keys = Self { load, measure: None, calibrate: None, separate: None, shape: None, mesh: None };
+        let mut keys =
+            Self { load, measure: None, calibrate: None, separate: None, shape: None, mesh: None, nayar: None };
         // A set that contradicts itself is shown, and solved when it is put right.
         if set.lights.is_empty() || !results.load.is_ready(Some(&keys.load)) || !set.check().is_empty() {
             return keys;
@@ -81,6 +94,7 @@ impl Keys {
             .is_ready(keys.shape.as_ref())
             .then_some(MeshKey { shape: results.shape.generation })
             .filter(|_| keys.shape.is_some());
+        keys.nayar = nayar_key(&keys, document, results);
         keys
     }
 
@@ -102,6 +116,9 @@ impl Keys {
         }
         if after(Step::Mesh) {
             keys.mesh = None;
+        }
+        if after(Step::Nayar) {
+            keys.nayar = None;
         }
         keys
     }
@@ -138,6 +155,23 @@ fn shape_key(keys: &Keys, document: &Document, results: &Results) -> Option<Shap
     })
 }
 
+fn nayar_key(keys: &Keys, document: &Document, results: &Results) -> Option<NayarKey> {
+    let settings = &document.settings.nayar;
+    if !settings.compute || !results.shape.is_ready(keys.shape.as_ref()) {
+        return None;
+    }
+    let Calibration { grey_albedo, white_light, .. } = document.set.calibration;
+    let grey_light = results.calibrate.last.as_ref()?.calibrated.grey_light;
+    Some(NayarKey {
+        shape: results.shape.generation,
+        grey_albedo,
+        white_light,
+        grey_light,
+        calibrate: grey_light.is_none().then_some(results.calibrate.generation),
+        settings: settings.clone(),
+    })
+}
+
 /// What decides over the photos in linear light.
 fn photos_of(set: &CaptureSet) -> CaptureSet {
     let mut set = without_given(set);
@@ -152,6 +186,8 @@ fn photos_of(set: &CaptureSet) -> CaptureSet {
 fn rig_of(set: &CaptureSet) -> CaptureSet {
     let mut rig = CaptureSet { name: String::new(), mask: None, truth: Truth::default(), ..set.clone() };
     rig.separation = Separation::default();
+    // They scale the paint's albedo, and no value of the rig.
+    (rig.calibration.grey_albedo, rig.calibration.white_light) = (None, None);
     // Balls that stand in the scene are seen in the object's shots.
     if !rig.spheres.iter().any(|sphere| sphere.subject == Subject::Object) {
         rig.shots.retain(|shot| shot.subject != Subject::Object);

@@ -42,6 +42,7 @@ impl Finished {
             direct: self.shapes.direct.clone(),
             after: Ok(surfaced(&self.shapes.after, &self.meshes.after)),
             before: Some(surfaced(&self.shapes.before, &self.meshes.before)),
+            nayar: None,
             stages: Vec::new(),
         })
     }

@@ -1,11 +1,12 @@
 //! What follows from the document at once, without waiting for a stage: alpha, beta and the bounce operator. A typed value
 //! is in force in the frame in which it is typed.
 
+use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Calibrated, rig_of};
 use firstbounce_core::separate::BounceSystem;
 use firstbounce_core::trust;
 
-use super::Results;
+use super::{Calibration, Given, Results};
 use crate::app::document::Document;
 
 /// alpha, beta and the order m in force.
@@ -55,28 +56,49 @@ impl Rig {
     }
 }
 
+impl Given {
+    /// Whether a set gives all of this, with whatever values.
+    fn is_given_by(&self, set: &CaptureSet) -> bool {
+        let (values, now) = (&self.values, &set.calibration);
+        let directions =
+            values.direction.keys().chain(self.lights.iter().filter_map(|light| light.direction.map(|_| &light.name)));
+        (values.beta.is_none() || now.beta.is_some())
+            && values.alpha.keys().all(|light| now.alpha.contains_key(light))
+            && values.intensity.keys().all(|light| now.intensity.contains_key(light))
+            && directions.into_iter().all(|light| set.given_direction(light).is_some())
+    }
+}
+
 impl Results {
     /// What a verdict on this document's separation depends on: as the pipeline takes it, with typed values in force at
     /// once. An error says what is missing.
     pub fn trust_rig(&self, document: &Document) -> Result<trust::Rig, String> {
         let set = &document.set;
         let loaded = self.load.last.as_deref().ok_or("the photos are being read")?;
-        let same = |names: &[String], now: Vec<&String>| names.iter().eq(now);
-        let calibration = self.calibrate.last.as_deref().filter(|calibration| {
-            same(&calibration.lights, set.lights.iter().map(|light| &light.name).collect())
-                && same(&calibration.colours, set.colours.iter().map(|colour| &colour.name).collect())
-        });
         let nothing = Calibrated::default();
+        let calibration = self
+            .calibration_of(set)
+            .filter(|calibration| calibration.lights.iter().eq(set.lights.iter().map(|light| &light.name)));
         let calibrated = calibration.map_or(&nothing, |calibration| &calibration.calibrated);
         rig_of(set, &loaded.levels, calibrated).map_err(|error| error.to_string())
+    }
+
+    /// What is known of a set's rig beyond what it gives now. While a typed value that was taken back is still in force in
+    /// the last calibration, the balls alone say it.
+    fn calibration_of(&self, set: &CaptureSet) -> Option<&Calibration> {
+        let colours = |of: &&Calibration| of.colours.iter().eq(set.colours.iter().map(|colour| &colour.name));
+        let exact = |of: &&Calibration| of.given.values == set.calibration && of.given.lights == set.lights;
+        let last = self.calibrate.last.as_deref().filter(colours);
+        let balls = || self.measure.last.as_deref().filter(colours);
+        let holds = |of: &&Calibration| of.given.is_given_by(set);
+        last.filter(exact).or_else(balls).or_else(|| last.filter(holds))
     }
 
     /// alpha, beta and m of this document: what it gives, else what was calibrated last.
     pub fn rig(&self, document: &Document) -> Rig {
         let set = &document.set;
-        let calibration = self.calibrate.last.as_deref();
-        let colours: Vec<_> = set.colours.iter().map(|colour| colour.name.clone()).collect();
-        let calibration = calibration.filter(|calibration| calibration.colours == colours);
+        let calibration = self.calibration_of(set);
+        let colours = &set.colours;
         let fits = |values: &&Vec<f64>| values.len() == colours.len();
         let values =
             |known: &Vec<firstbounce_capture::pipeline::Known<f64>>| known.iter().map(|k| k.value).collect::<Vec<_>>();

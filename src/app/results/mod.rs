@@ -4,6 +4,7 @@
 mod depends;
 mod finished;
 mod live;
+mod nayar;
 mod pictures;
 mod run;
 mod stage;
@@ -11,15 +12,16 @@ mod stage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use firstbounce_capture::pipeline::{Calibrated, Separated};
+use firstbounce_capture::pipeline::{Calibrated, Preference, Separated};
 use firstbounce_core::Mesh;
 
 use super::document::Document;
-use super::jobs::{Jobs, Task};
+use super::jobs::{Jobs, Task, drop_aside};
 use super::log::Level;
 
 pub use finished::Finished;
 pub use live::Rig;
+pub use nayar::ByNayar;
 pub use pictures::{MarksName, Pictures, PlaneName, ShotName, Stored, When};
 pub use run::{Loaded, LoadedShot, Shapes};
 pub use stage::{StageState, Step};
@@ -41,6 +43,15 @@ pub struct Calibration {
     pub colours: Vec<String>,
     /// The values.
     pub calibrated: Calibrated,
+    /// What the file gave when they were measured.
+    given: Given,
+}
+
+/// What a set's file gives of a rig.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Given {
+    values: firstbounce_capture::set::Calibration,
+    lights: Vec<firstbounce_capture::set::Light>,
 }
 
 /// Before and after as triangles.
@@ -61,6 +72,7 @@ pub struct Results {
     separate: Slot<depends::SeparateKey, Separated>,
     shape: Slot<depends::ShapeKey, Shapes>,
     mesh: Slot<depends::MeshKey, Meshes>,
+    nayar: Slot<depends::NayarKey, ByNayar>,
     running: Option<Running>,
     pictures: Pictures,
     /// Counts the requests to read every file anew.
@@ -76,6 +88,7 @@ enum Outcome {
     Separate(depends::SeparateKey, Result<(Separated, Batch), String>),
     Shape(depends::ShapeKey, Result<Box<(Shapes, Batch)>, String>),
     Mesh(depends::MeshKey, Result<Meshes, String>),
+    Nayar(depends::NayarKey, Result<Box<(ByNayar, Batch)>, String>),
 }
 
 struct Running {
@@ -126,6 +139,11 @@ impl Results {
         self.mesh.last.clone()
     }
 
+    /// What Nayar's method found, where it was asked for.
+    pub fn by_nayar(&self) -> Option<Arc<ByNayar>> {
+        self.nayar.last.clone()
+    }
+
     /// Every plane that can be shown.
     pub fn pictures(&self) -> &Pictures {
         &self.pictures
@@ -144,6 +162,7 @@ impl Results {
             Step::Separate => self.separate.state(keys.separate.as_ref()),
             Step::Shape => self.shape.state(keys.shape.as_ref()),
             Step::Mesh => self.mesh.state(keys.mesh.as_ref()),
+            Step::Nayar => self.nayar.state(keys.nayar.as_ref()),
         };
         match (own, step.needs()) {
             (StageState::Blocked { .. }, Some(before)) => match self.state(before, document) {
@@ -169,6 +188,7 @@ impl Results {
         self.separate.retry();
         self.shape.retry();
         self.mesh.retry();
+        self.nayar.retry();
     }
 
     /// Forgets everything: another set was opened.
@@ -176,7 +196,8 @@ impl Results {
         if let Some(running) = &self.running {
             running.task.job().cancel();
         }
-        *self = Self { reloads: self.reloads + 1, ..Self::default() };
+        let reloads = self.reloads + 1;
+        drop_aside(std::mem::replace(self, Self { reloads, ..Self::default() }));
     }
 
     /// Takes what is finished and starts what is stale. Once a frame; `log` is told of every stage that ended.
@@ -231,6 +252,7 @@ impl Results {
             Step::Separate => self.separate.is_stale(keys.separate.as_ref()),
             Step::Shape => self.shape.is_stale(keys.shape.as_ref()),
             Step::Mesh => self.mesh.is_stale(keys.mesh.as_ref()),
+            Step::Nayar => self.nayar.is_stale(keys.nayar.as_ref()),
         };
         Step::ALL.into_iter().find(|&step| stale(step))
     }
@@ -247,16 +269,16 @@ impl Results {
                 })
             }
             Step::Measure => {
-                let key = keys.measure.clone()?;
+                let (key, loaded) = (keys.measure.clone()?, self.loaded()?);
                 jobs.start(name, move |job| {
-                    let measured = run::measure(&key.set, job);
+                    let measured = run::calibration(&key.set, Preference::Balls, &loaded, job);
                     Ok(Outcome::Measure(key, measured))
                 })
             }
             Step::Calibrate => {
-                let key = keys.calibrate.clone()?;
+                let (key, loaded) = (keys.calibrate.clone()?, self.loaded()?);
                 jobs.start(name, move |job| {
-                    let calibrated = run::calibrate_file(&key.set, job);
+                    let calibrated = run::calibration(&key.set, Preference::File, &loaded, job);
                     Ok(Outcome::Calibrate(key, calibrated))
                 })
             }
@@ -283,6 +305,15 @@ impl Results {
                 let (key, shapes) = (keys.mesh.clone()?, self.shapes()?);
                 jobs.start(name, move |_| Ok(Outcome::Mesh(key, run::meshes(&document.set, &shapes))))
             }
+            Step::Nayar => {
+                let key = keys.nayar.clone()?;
+                let (loaded, calibration, shapes) = (self.loaded()?, self.calibration()?, self.shapes()?);
+                jobs.start(name, move |job| {
+                    let found = nayar::run(&document, &loaded, &calibration, &shapes, job);
+                    let found = found.map(|found| Box::new(with_batch(found, Batch::of_nayar)));
+                    Ok(Outcome::Nayar(key, found))
+                })
+            }
         })
     }
 
@@ -292,6 +323,7 @@ impl Results {
         let cancelled = running.task.job().is_cancelled();
         let Some(Running { step, keys, superseded, .. }) = self.running.take() else { return };
         if superseded {
+            drop_aside(outcome);
             return;
         }
         let outcome = match outcome {
@@ -311,6 +343,7 @@ impl Results {
             Outcome::Separate(key, result) => self.separate.finish(key, result.map(|pair| pictures.take_from(pair))),
             Outcome::Shape(key, result) => self.shape.finish(key, result.map(|pair| pictures.take_from(*pair))),
             Outcome::Mesh(key, result) => self.mesh.finish(key, result),
+            Outcome::Nayar(key, result) => self.nayar.finish(key, result.map(|pair| pictures.take_from(*pair))),
         }
     }
 
@@ -324,6 +357,9 @@ impl Results {
             (Step::Separate, Some(Err(line))) => line.clone(),
             (Step::Separate, _) => {
                 self.rig(document).missing().unwrap_or_else(|| "alpha and beta are not known yet: see Calibrate".into())
+            }
+            (Step::Nayar, _) if !document.settings.nayar.compute => {
+                "tick \"Also solve by Nayar's method\" in Shape to see this".into()
             }
             _ => "the step before is not done yet".into(),
         }
@@ -340,6 +376,7 @@ impl Outcome {
             (Step::Separate, Keys { separate: Some(key), .. }) => Self::Separate(key, Err(lost)),
             (Step::Shape, Keys { shape: Some(key), .. }) => Self::Shape(key, Err(lost)),
             (Step::Mesh, Keys { mesh: Some(key), .. }) => Self::Mesh(key, Err(lost)),
+            (Step::Nayar, Keys { nayar: Some(key), .. }) => Self::Nayar(key, Err(lost)),
             (_, Keys { load, .. }) => Self::Load(load, Err(lost)),
         }
     }
@@ -349,6 +386,7 @@ impl Outcome {
         match self {
             Self::Load(_, Ok((loaded, _))) => &loaded.warnings,
             Self::Calibrate(_, Ok(calibration)) => &calibration.calibrated.warnings,
+            Self::Nayar(_, Ok(found)) => &found.0.warnings,
             _ => &[],
         }
     }
@@ -360,7 +398,8 @@ impl Outcome {
             | Self::Calibrate(_, Err(line))
             | Self::Separate(_, Err(line))
             | Self::Shape(_, Err(line))
-            | Self::Mesh(_, Err(line)) => Some(line),
+            | Self::Mesh(_, Err(line))
+            | Self::Nayar(_, Err(line)) => Some(line),
             _ => None,
         }
     }

@@ -5,12 +5,14 @@ use std::sync::Arc;
 
 use firstbounce_capture::pipeline::Separated;
 use firstbounce_capture::set::{Shot, Subject, Word};
-use firstbounce_core::{Plane, shape::Shape};
+use firstbounce_core::{NormalMap, Plane, shape::Shape};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::nayar::ByNayar;
 use super::run::{Loaded, Shapes};
 use super::stage::Step;
+use crate::app::jobs::drop_aside;
 use crate::gpu::{CanvasMarks, CanvasPlane};
 
 /// A shot by its words, as it survives an edit of others.
@@ -59,12 +61,16 @@ pub enum PlaneName {
     Residual(String),
     /// Bounce 1 with less noise.
     Direct(String),
+    /// Direct light of a light, as Nayar's method finds it.
+    NayarDirect(String),
     /// x, y or z of the normals.
     Normal(When, usize),
     /// Albedo.
     Albedo(When),
     /// Predicted noise of the normals in degrees.
     NormalNoise(When),
+    /// By how many degrees taking the bounces out turned the normals; not a number where one of them is missing.
+    Turned,
     /// Depth in the mesh's unit; not a number where there is none.
     Depth(When),
 }
@@ -82,13 +88,25 @@ pub enum MarksName {
     Mask,
 }
 
-/// From the photos as they are, or from bounce 1.
+/// From the photos as they are, from bounce 1, or by the other method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum When {
     /// From the photos as they are.
     Before,
     /// From bounce 1.
     After,
+    /// From the reference colour's photos by Nayar's method.
+    Nayar,
+}
+
+impl When {
+    /// The stage that gives it.
+    pub fn stage(self) -> Step {
+        match self {
+            Self::Before | Self::After => Step::Shape,
+            Self::Nayar => Step::Nayar,
+        }
+    }
 }
 
 /// A plane and where most of its values lie.
@@ -128,21 +146,22 @@ impl Pictures {
     /// numbers stay on screen until the new ones are on the card.
     fn take(&mut self, batch: Batch) {
         let stage = batch.stage;
-        let mut old_planes: HashMap<_, _> = self.planes.extract_if(|name, _| name.stage() == stage).collect();
+        let old_planes: HashMap<_, _> = self.planes.extract_if(|name, _| name.stage() == stage).collect();
         for (name, plane, range) in batch.planes {
             let mut new = CanvasPlane::new(plane);
-            if let Some(old) = old_planes.remove(&name).filter(|old| old.plane.plane.size() == new.plane.size()) {
+            if let Some(old) = old_planes.get(&name).filter(|old| old.plane.plane.size() == new.plane.size()) {
                 new.key = old.plane.key.next_version();
             }
             self.planes.insert(name, Stored { plane: new, range });
         }
-        let mut old_marks: HashMap<_, _> = self.marks.extract_if(|name, _| name.stage() == stage).collect();
+        let old_marks: HashMap<_, _> = self.marks.extract_if(|name, _| name.stage() == stage).collect();
         for (name, mut new) in batch.marks {
-            if let Some(old) = old_marks.remove(&name) {
+            if let Some(old) = old_marks.get(&name) {
                 new.key = old.key.next_version();
             }
             self.marks.insert(name, new);
         }
+        drop_aside((old_planes, old_marks));
     }
 }
 
@@ -152,7 +171,9 @@ impl PlaneName {
         match self {
             Self::Photo(_) => Step::Load,
             Self::Bounce(..) | Self::Noise(_) | Self::Residual(_) => Step::Separate,
-            Self::Direct(_) | Self::Normal(..) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) => Step::Shape,
+            Self::Turned | Self::Direct(_) => Step::Shape,
+            Self::NayarDirect(_) => Step::Nayar,
+            Self::Normal(when, _) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => when.stage(),
         }
     }
 }
@@ -162,7 +183,7 @@ impl MarksName {
         match self {
             Self::Photo(_) | Self::Mask => Step::Load,
             Self::Separation(_) => Step::Separate,
-            Self::Normals(_) => Step::Shape,
+            Self::Normals(when) => when.stage(),
         }
     }
 }
@@ -218,6 +239,18 @@ impl Batch {
         }
         batch.put_shape(When::After, &shapes.after);
         batch.put_shape(When::Before, &shapes.before);
+        if let Some(turned) = turned(&shapes.before.normals.map, &shapes.after.normals.map) {
+            batch.put(PlaneName::Turned, &turned);
+        }
+        batch
+    }
+
+    pub fn of_nayar(found: &ByNayar) -> Self {
+        let mut batch = Self::new(Step::Nayar);
+        for (light, direct) in &found.direct {
+            batch.put(PlaneName::NayarDirect(light.clone()), direct);
+        }
+        batch.put_shape(When::Nayar, &found.shape);
         batch
     }
 
@@ -245,6 +278,17 @@ impl Batch {
             self.marks.push((name, marks));
         }
     }
+}
+
+/// Angles between two maps of normals in degrees; not a number where one has none.
+fn turned(before: &NormalMap, after: &NormalMap) -> Option<Plane> {
+    let (width, height) = after.size();
+    let angle = |index: usize| match (before.at_index(index), after.at_index(index)) {
+        // The arc cosine of a float knows no angle below 0.02 degrees.
+        (Some(a), Some(b)) => a.cross(&b).norm().atan2(a.dot(&b)).to_degrees(),
+        _ => f32::NAN,
+    };
+    Plane::from_vec(width, height, (0..width * height).into_par_iter().map(angle).collect())
 }
 
 fn depth_where_known(shape: &Shape) -> Plane {

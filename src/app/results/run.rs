@@ -1,18 +1,21 @@
 //! The stages' work, by the pipeline that the command line runs.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
-    Calibrated, Direct, ObjectLevels, ObjectPhotos, PipelineError, Preference, Separated, calibrate, camera_of, judge,
-    load_object, load_subject, quiet_lights, raw_lights, recover, separate_lights, triangulate,
+    BallPhotos, Calibrated, Direct, ObjectLevels, ObjectPhotos, PipelineError, Preference, Separated, calibrate_on,
+    camera_of, judge, load_object, load_subject, quiet_lights, raw_lights, recover, separate_lights, triangulate,
 };
 use firstbounce_capture::set::{Colour, Light, Shot, Subject};
 use firstbounce_core::mesh::MeshOptions;
 use firstbounce_core::shape::Shape;
 use firstbounce_core::trust::{Trust, TrustOptions};
-use firstbounce_core::{AngularError, Photo, Watch};
+use firstbounce_core::{AngularError, Photo, Plane, Watch};
+use rayon::prelude::*;
 
 use super::pictures::{ShotName, range_of};
-use super::{Calibration, Meshes};
+use super::{Calibration, Given, Meshes};
 use crate::app::document::Document;
 use crate::app::jobs::Job;
 
@@ -25,6 +28,8 @@ pub struct Loaded {
     pub object: Result<ObjectPhotos, String>,
     /// The object's mean light and its noise; empty where there is no object.
     pub levels: ObjectLevels,
+    /// The balls' photos, so that a typed value or a moved circle reads no file again.
+    balls: Arc<Mutex<BallPhotos>>,
     /// What a person should know of the files.
     pub warnings: Vec<String>,
 }
@@ -66,6 +71,7 @@ pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
     let right = set.check().is_empty();
     let object = if right { load_object(set, job).map_err(line) } else { Err("the set has errors".into()) };
     let mut warnings = object.as_ref().map(|object| object.warnings.clone()).unwrap_or_default();
+    let balls = load_balls(set, right, job, &mut warnings)?;
     let mut shots = Vec::with_capacity(set.shots.len());
     for (index, shot) in set.shots.iter().enumerate() {
         if job.is_cancelled() {
@@ -73,7 +79,8 @@ pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
         }
         Watch::progress(job, index as f32 / set.shots.len() as f32);
         let name = ShotName::of(shot);
-        let known = object.as_ref().ok().and_then(|object| object_photo(set, object, shot));
+        let of_object = || object.as_ref().ok().and_then(|object| object_photo(set, object, shot));
+        let known = of_object().or_else(|| ball_photo(set, &balls, shot));
         let photo = match known {
             Some(photo) => Ok(photo),
             None => load_shot(set, shot, job).map(|(photo, said)| {
@@ -81,13 +88,45 @@ pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
                 photo
             }),
         };
-        let range = photo.as_ref().map_or([0.0, 1.0], |photo| [0.0, range_of(&photo.linear)[1]]);
+        let range = photo.as_ref().map_or([0.0, 1.0], |photo| [0.0, white_of(shot.subject, &photo.linear)]);
         shots.push(LoadedShot { name, photo, range });
     }
     warnings.sort();
     warnings.dedup();
     let levels = object.as_ref().map(|object| ObjectLevels::of(set, object)).unwrap_or_default();
-    Ok(Loaded { shots, object, levels, warnings })
+    Ok(Loaded { shots, object, levels, balls: Arc::new(Mutex::new(balls)), warnings })
+}
+
+/// What is shown as white. On a mirror ball the brightest spot matters, elsewhere all but it.
+fn white_of(subject: Subject, photo: &Plane) -> f32 {
+    if subject == Subject::MirrorSphere {
+        photo.data().par_iter().copied().filter(|light| light.is_finite()).reduce(|| f32::MIN_POSITIVE, f32::max)
+    } else {
+        range_of(photo)[1]
+    }
+}
+
+/// The photos of the balls that have shots of their own. Where one of a ball's photos cannot be read, every shot of it is
+/// left to tell by itself what is wrong with it.
+fn load_balls(set: &CaptureSet, right: bool, job: &Job, warnings: &mut Vec<String>) -> Result<BallPhotos, String> {
+    let mut balls = BallPhotos::default();
+    for subject in set.subjects().into_iter().filter(|subject| right && subject.sphere_kind().is_some()) {
+        match load_subject(set, subject, job) {
+            Ok(photos) => {
+                warnings.extend_from_slice(&photos.warnings);
+                balls.put(subject, Arc::new(photos));
+            }
+            Err(PipelineError::Cancelled) => return Err(line(PipelineError::Cancelled)),
+            Err(_) => {}
+        }
+    }
+    Ok(balls)
+}
+
+fn ball_photo(set: &CaptureSet, balls: &BallPhotos, shot: &Shot) -> Option<Photo> {
+    let light = shot.light.as_deref().and_then(|name| set.light_index(name)).unwrap_or_default();
+    let colour = shot.colour.as_deref().and_then(|name| set.colour_index(name));
+    balls.of(shot.subject)?.photo(light, colour).cloned()
 }
 
 fn object_photo(set: &CaptureSet, object: &ObjectPhotos, shot: &Shot) -> Option<Photo> {
@@ -118,20 +157,24 @@ fn load_shot(set: &CaptureSet, shot: &Shot, job: &Job) -> Result<(Photo, Vec<Str
     Ok((photo, photos.warnings))
 }
 
-pub fn measure(set: &CaptureSet, job: &Job) -> Result<Calibration, String> {
-    Ok(named(set, calibrate(set, Preference::Balls, job).map_err(line)?))
-}
-
-pub fn calibrate_file(set: &CaptureSet, job: &Job) -> Result<Calibration, String> {
-    Ok(named(set, calibrate(set, Preference::File, job).map_err(line)?))
-}
-
-fn named(set: &CaptureSet, calibrated: Calibrated) -> Calibration {
-    Calibration {
+/// The rig by the balls, or by the file first.
+pub fn calibration(
+    set: &CaptureSet,
+    preference: Preference,
+    loaded: &Loaded,
+    job: &Job,
+) -> Result<Calibration, String> {
+    let photos = {
+        let mut kept = loaded.balls.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.load_missing(set, preference, job).map_err(line)?;
+        kept.clone()
+    };
+    Ok(Calibration {
         lights: set.lights.iter().map(|light| light.name.clone()).collect(),
         colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
-        calibrated,
-    }
+        calibrated: calibrate_on(set, preference, &photos).map_err(line)?,
+        given: Given { values: set.calibration.clone(), lights: set.lights.clone() },
+    })
 }
 
 pub fn separate(
@@ -163,13 +206,7 @@ pub fn shape(
     let camera = camera_of(set, object.mask.size());
 
     // Lights that are left out are left out of both, so that before and after differ by the bounces alone.
-    let used: Vec<_> = set.lights.iter().map(|l| !document.settings.shape.left_out.contains(&l.name)).collect();
-    let set = CaptureSet { lights: kept(&set.lights, &used), ..set.clone() };
-    let calibrated = Calibrated {
-        direction: kept(&calibrated.direction, &used),
-        intensity: kept(&calibrated.intensity, &used),
-        ..calibrated.clone()
-    };
+    let Used { set, calibrated, used } = Used::of(document, calibrated);
     let surface = |lights: &[Direct]| {
         recover(&set, object, &calibrated, &kept(lights, &used), &camera, &options.shape, job).map_err(line)
     };
@@ -179,7 +216,28 @@ pub fn shape(
     Ok(Shapes { direct, trust, after, before, turned })
 }
 
-fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {
+/// The lights that photometric stereo uses, and what is known of them.
+pub(super) struct Used {
+    pub set: CaptureSet,
+    pub calibrated: Calibrated,
+    /// By light of the document's set.
+    pub used: Vec<bool>,
+}
+
+impl Used {
+    pub fn of(document: &Document, calibrated: &Calibrated) -> Self {
+        let set = &document.set;
+        let used: Vec<_> = set.lights.iter().map(|l| !document.settings.shape.left_out.contains(&l.name)).collect();
+        let calibrated = Calibrated {
+            direction: kept(&calibrated.direction, &used),
+            intensity: kept(&calibrated.intensity, &used),
+            ..calibrated.clone()
+        };
+        Self { set: CaptureSet { lights: kept(&set.lights, &used), ..set.clone() }, calibrated, used }
+    }
+}
+
+pub(super) fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {
     all.iter().zip(used).filter(|(_, used)| **used).map(|(item, _)| item.clone()).collect()
 }
 
@@ -189,6 +247,6 @@ pub fn meshes(set: &CaptureSet, shapes: &Shapes) -> Result<Meshes, String> {
     Ok(Meshes { after: mesh(&shapes.after)?, before: mesh(&shapes.before)? })
 }
 
-fn line(error: PipelineError) -> String {
+pub(super) fn line(error: PipelineError) -> String {
     error.to_string().replace('\n', " ")
 }

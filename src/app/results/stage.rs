@@ -3,6 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::app::jobs::drop_aside;
+
 /// The stages, in the order in which they run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Step {
@@ -18,11 +20,14 @@ pub enum Step {
     Shape,
     /// Depth to triangles.
     Mesh,
+    /// The other method, where it is asked for.
+    Nayar,
 }
 
 impl Step {
     /// All stages, in order.
-    pub const ALL: [Self; 6] = [Self::Load, Self::Measure, Self::Calibrate, Self::Separate, Self::Shape, Self::Mesh];
+    pub const ALL: [Self; 7] =
+        [Self::Load, Self::Measure, Self::Calibrate, Self::Separate, Self::Shape, Self::Mesh, Self::Nayar];
 
     /// The stage whose result this one takes.
     pub fn needs(self) -> Option<Self> {
@@ -31,7 +36,7 @@ impl Step {
             Self::Measure | Self::Calibrate => Some(Self::Load),
             Self::Separate => Some(Self::Calibrate),
             Self::Shape => Some(Self::Separate),
-            Self::Mesh => Some(Self::Shape),
+            Self::Mesh | Self::Nayar => Some(Self::Shape),
         }
     }
 
@@ -44,6 +49,7 @@ impl Step {
             Self::Separate => "Separate bounces",
             Self::Shape => "Recover shape",
             Self::Mesh => "Make mesh",
+            Self::Nayar => "Solve by Nayar's method",
         }
     }
 }
@@ -57,6 +63,7 @@ impl fmt::Display for Step {
             Self::Separate => "Separation",
             Self::Shape => "Shape recovery",
             Self::Mesh => "Meshing",
+            Self::Nayar => "Nayar's method",
         })
     }
 }
@@ -101,7 +108,7 @@ impl<K, T> Default for Slot<K, T> {
     }
 }
 
-impl<K: PartialEq, T> Slot<K, T> {
+impl<K: PartialEq, T: Send + Sync + 'static> Slot<K, T> {
     /// `None`: it cannot be tried.
     pub fn is_stale(&self, wanted: Option<&K>) -> bool {
         wanted.is_some() && self.tried.as_ref() != wanted
@@ -132,7 +139,7 @@ impl<K: PartialEq, T> Slot<K, T> {
         self.tried = Some(key);
         match result {
             Ok(result) => {
-                self.last = Some(Arc::new(result));
+                drop_aside(self.last.replace(Arc::new(result)));
                 self.generation += 1;
                 self.error = None;
             }

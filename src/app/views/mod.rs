@@ -16,11 +16,12 @@ use serde::{Deserialize, Serialize};
 
 pub use look::Look;
 pub use picker::{entries, ui as picker};
-pub use picture::{Picture, layer, picture};
+pub use picture::{Picture, layer, picture, unit_of};
 pub use shown::Shown;
 pub use tiles::ui;
 
 use super::canvas::{self, CanvasState};
+use super::surface::SurfaceLook;
 
 /// One view: what it shows and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,6 +38,9 @@ pub struct View {
     pub look: Look,
     /// Whether zoom and pan follow the other linked views.
     pub linked: bool,
+    /// How a surface in 3D is shown.
+    #[serde(default)]
+    pub surface: SurfaceLook,
 }
 
 /// The pixel under the pointer or the keyboard's cursor, and where.
@@ -87,7 +91,15 @@ impl Default for Views {
 impl Views {
     /// One view of one picture.
     pub fn showing(shown: Shown) -> Self {
-        let view = View { id: 0, shown, against: None, wipe: false, look: Look::default(), linked: true };
+        let view = View {
+            id: 0,
+            shown,
+            against: None,
+            wipe: false,
+            look: Look::default(),
+            linked: true,
+            surface: SurfaceLook::default(),
+        };
         Self::of(Tree::new_tabs(Id::unique("views"), vec![view]))
     }
 
@@ -185,6 +197,27 @@ impl Views {
     pub fn fit(&mut self) {
         self.shared = canvas::View::Fit;
         self.canvases.values_mut().for_each(|canvas| canvas.view = canvas::View::Fit);
+        for tile in self.tree.tiles.tiles_mut() {
+            if let egui_tiles::Tile::Pane(view) = tile {
+                view.surface.camera = None;
+            }
+        }
+    }
+
+    /// A pixel of the screen for every pixel of the picture, in every view.
+    pub fn one_to_one(&mut self) {
+        self.shared = self.shared.one_to_one();
+        self.canvases.values_mut().for_each(|canvas| canvas.view = canvas.view.one_to_one());
+    }
+
+    /// The same for one view, and for those that are linked with it.
+    fn zoom(&mut self, view: &View, one_to_one: bool) {
+        let zoomed = |of: canvas::View| if one_to_one { of.one_to_one() } else { canvas::View::Fit };
+        if view.linked {
+            self.shared = zoomed(self.shared);
+        }
+        let canvas = self.canvases.entry(view.id).or_default();
+        canvas.view = zoomed(canvas.view);
     }
 
     fn bring_to_front(&mut self, id: u64) {

@@ -1,17 +1,28 @@
 //! One view: its tool bar, its canvas, and what panels draw over it.
 
-use eframe::egui::{DragValue, RichText, Ui};
+use eframe::egui::containers::menu::{MenuButton, MenuConfig};
+use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, RichText, Role, TextStyle, Ui, WidgetInfo, vec2};
+use firstbounce_core::photo::{CLIPPED, DARK};
+use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::picture::{Picture, picture};
-use super::{Arrange, Hover, View, picker};
+use super::{Arrange, Hover, Shown, View, picker};
 use crate::app::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
+use crate::app::number_field::up_to;
 use crate::app::panels::{Over, Panels};
 use crate::app::session::Session;
-use crate::gpu::ColourMap;
+use crate::app::surface;
+use crate::gpu::{ColourMap, Display};
 
 pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Panels) {
     ui.push_id(view.id, |ui| {
         ui.horizontal_wrapped(|ui| tools(ui, view, session));
+        if view.shown == Shown::Surface {
+            if surface::ui(ui, view.id, &mut view.surface, session) {
+                session.views.active = Some(view.id);
+            }
+            return;
+        }
         let document = session.document();
         let Session { views, results, jobs, .. } = session;
         if let Some(words) = views.statistics.words(view.id, &view.shown, &document, results, jobs) {
@@ -29,19 +40,29 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Pane
 fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
     let document = session.document();
     ui.menu_button(format!("Picture: {}", view.shown.title()), |ui| {
-        if let Some(chosen) = picker::ui(ui, &document.set, Some(&view.shown)) {
+        let in_3d = ui.selectable_label(view.shown == Shown::Surface, Shown::Surface.title()).clicked();
+        let chosen = picker::ui(ui, &document, Some(&view.shown)).or(in_3d.then_some(Shown::Surface));
+        if let Some(chosen) = chosen {
             view.shown = chosen;
             view.look = Default::default();
             session.views.active = Some(view.id);
         }
     });
+    if view.shown == Shown::Surface {
+        surface::toolbar(ui, view.id, &mut view.surface, &document, session);
+        ui.menu_button("View", |ui| {
+            surface::eye_menu(ui, view.id, &mut view.surface, session);
+            arrange_menu(ui, view.id, session);
+        });
+        return;
+    }
     let against = view.against.as_ref().map_or("Compare".into(), |other| format!("Compare: {}", other.title()));
     ui.menu_button(against, |ui| {
         if ui.selectable_label(view.against.is_none(), "Nothing").clicked() {
             view.against = None;
             ui.close();
         }
-        if let Some(chosen) = picker::ui(ui, &document.set, view.against.as_ref()) {
+        if let Some(chosen) = picker::ui(ui, &document, view.against.as_ref()) {
             view.against = Some(chosen);
         }
     });
@@ -49,27 +70,49 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
         ui.toggle_value(&mut view.wipe, "Wipe")
             .on_hover_text("A line divides the two; without it, hold B to see the other");
         if ui.button("Difference").on_hover_text("Shows this picture minus the other").clicked() {
-            view.shown = super::Shown::Difference(Box::new(view.shown.clone()), Box::new(other));
+            view.shown = Shown::Difference(Box::new(view.shown.clone()), Box::new(other));
             view.against = None;
             view.look = Default::default();
         }
     }
     let proposal = picture(&view.shown, &document, &session.results).map_or([0.0, 1.0], |shown| shown.display.range);
-    ui.menu_button("Colours", |ui| look(ui, view, proposal));
-    ui.menu_button("View", |ui| {
+    // Stays open while one thing after the other is tried.
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    MenuButton::new("Colours").config(stays).ui(ui, |ui| look(ui, view, proposal));
+    zoom(ui, view, session);
+    ui.menu_button("Arrange", |ui| {
         ui.checkbox(&mut view.linked, "Zoom and pan with the others");
-        for (name, arrange) in [
-            ("Split right", Arrange::SplitRight),
-            ("Split down", Arrange::SplitDown),
-            ("New tab", Arrange::NewTab),
-            ("Close view", Arrange::Close),
-        ] {
-            if ui.button(name).clicked() {
-                session.views.arrange(view.id, arrange);
-                ui.close();
-            }
-        }
+        arrange_menu(ui, view.id, session);
     });
+}
+
+fn arrange_menu(ui: &mut Ui, id: u64, session: &mut Session) {
+    for (name, arrange) in [
+        ("Split right", Arrange::SplitRight),
+        ("Split down", Arrange::SplitDown),
+        ("New tab", Arrange::NewTab),
+        ("Close view", Arrange::Close),
+    ] {
+        if ui.button(name).clicked() {
+            session.views.arrange(id, arrange);
+            ui.close();
+        }
+    }
+}
+
+/// The two zooms that a person asks for most.
+fn zoom(ui: &mut Ui, view: &View, session: &mut Session) {
+    let title = view.shown.title();
+    for (text, words, one_to_one) in [("Fit", "Fit", false), ("1:1", "One to one", true)] {
+        let button = ui.button(text);
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{words}, {title}")));
+        if button
+            .on_hover_text(if one_to_one { "A pixel of the screen for every pixel" } else { "The whole picture" })
+            .clicked()
+        {
+            session.views.zoom(view, one_to_one);
+        }
+    }
 }
 
 /// The values at the two ends of the map: the picture's own, or typed.
@@ -82,7 +125,7 @@ fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
         ui.horizontal(|ui| {
             for (end, name) in ends.iter_mut().zip(["Low end", "High end"]) {
                 let label = ui.label(name);
-                ui.add(DragValue::new(end).speed(speed).max_decimals(5)).labelled_by(label.id);
+                ui.add(up_to(end, 5).speed(speed)).labelled_by(label.id);
             }
         });
     });
@@ -92,13 +135,13 @@ fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
 fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
     let look = &mut view.look;
     let exposure = ui.label("Exposure");
-    ui.add(DragValue::new(&mut look.exposure_stops).speed(0.05).range(-20.0..=20.0).suffix(" stops"))
+    ui.add(up_to(&mut look.exposure_stops, 2).speed(0.05).range(-20.0..=20.0).suffix(" stops"))
         .labelled_by(exposure.id);
     let mut gamma = look.gamma.unwrap_or(2.2);
     ui.horizontal(|ui| {
         let mut own = look.gamma.is_some();
         ui.checkbox(&mut own, "Gamma instead of the sRGB curve");
-        ui.add_enabled(own, DragValue::new(&mut gamma).speed(0.02).range(0.2..=5.0).prefix("gamma "));
+        ui.add_enabled(own, up_to(&mut gamma, 2).speed(0.02).range(0.2..=5.0).prefix("gamma "));
         look.gamma = own.then_some(gamma);
     });
     ui.separator();
@@ -118,6 +161,54 @@ fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
     }
 }
 
+/// Says on the canvas, and to screen readers, which of two pictures is seen where.
+fn compared(ui: &Ui, view: &View, response: &CanvasResponse) {
+    let Some(other) = &view.against else { return };
+    let (own, other) = (view.shown.title(), other.title());
+    let canvas = response.transform.rect.shrink(6.0);
+    let words = match (response.shows_other, view.wipe) {
+        (true, _) => format!("Shows {other}"),
+        (false, true) => format!("Left of the line {own}, right of the line {other}"),
+        (false, false) => {
+            caption(ui, canvas, Align2::CENTER_TOP, &format!("Hold B for {other}"));
+            format!("B, held, shows the other: {other}")
+        }
+    };
+    ui.ctx().accesskit_node_builder(response.response.id, |node| node.set_description(words));
+}
+
+/// What the tints of marked pixels mean.
+fn tints(ui: &Ui, view: &View, display: &Display, canvas: Rect) {
+    let marks: &[(u8, &str)] = match view.shown {
+        Shown::Photo(_) | Shown::Bounce { .. } => &[(CLIPPED, "clipped"), (DARK, "dark")],
+        Shown::Marks { .. } => {
+            &[(CLIPPED, "clipped"), (DARK, "dark"), (UNSOLVED, "too few colours left"), (OUTSIDE, "outside")]
+        }
+        _ => return,
+    };
+    let tint = |mark: u8| display.tints[mark.trailing_zeros() as usize % display.tints.len()];
+    let mut corner = canvas.shrink(8.0).left_bottom();
+    for (mark, words) in marks.iter().rev().filter(|(mark, _)| tint(*mark).strength > 0.0) {
+        let [red, green, blue] = tint(*mark).colour;
+        let line = Rect::from_min_max(corner - vec2(0.0, 18.0), corner + vec2(canvas.width() / 2.0, 0.0));
+        let plate = caption(ui, line, Align2::LEFT_BOTTOM, &format!("     {words}"));
+        let swatch = Rect::from_center_size(plate.left_center() + vec2(11.0, 0.0), vec2(9.0, 9.0));
+        ui.painter_at(canvas).rect_filled(swatch, 2.0, Color32::from_rgb(red, green, blue));
+        corner.y -= plate.height() + 2.0;
+    }
+}
+
+/// Words on a plate of their own: legible on any picture, in either theme.
+fn caption(ui: &Ui, canvas: Rect, corner: Align2, words: &str) -> Rect {
+    let font = TextStyle::Small.resolve(ui.style());
+    let painter = ui.painter_at(canvas);
+    let text = painter.layout_no_wrap(words.to_owned(), font, Color32::from_gray(235));
+    let plate = corner.align_size_within_rect(text.size() + vec2(10.0, 4.0), canvas);
+    painter.rect_filled(plate, 3.0, Color32::from_black_alpha(200));
+    painter.galley(plate.min + vec2(5.0, 2.0), text, Color32::WHITE);
+    plate
+}
+
 fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, panels: &mut Panels) {
     let document = session.document();
     let display = view.look.over(&shown.display);
@@ -131,10 +222,11 @@ fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, 
     state.compare = if view.wipe { Compare::Wipe } else { Compare::Hold };
     let primary = if panels.wants_drag(&view.shown, session) { PrimaryDrag::Caller } else { PrimaryDrag::Pan };
     let label = view.shown.title();
+    let other_label = view.against.as_ref().map(super::Shown::title).unwrap_or_default();
     let mut canvas =
         Canvas::new(&mut state, &shown.source, &display).label(&label).legend(shown.quantity).primary_drag(primary);
     if let (Some(other), Some(display)) = (&other, &other_display) {
-        canvas = canvas.against(&other.source, display);
+        canvas = canvas.against(&other.source, display).other_label(&other_label);
     }
     let response: CanvasResponse = canvas.show(ui);
     if view.linked {
@@ -148,18 +240,9 @@ fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, 
     if let Some(pixel) = response.hovered {
         session.views.hover = Some(Hover { shown: view.shown.clone(), pixel });
     }
-    if let Some(resolution) = response.resolution.filter(|resolution| resolution.divisor > 1) {
-        let line = format!(
-            "Shown at 1/{} of its resolution: the picture is larger than the card's textures",
-            resolution.divisor
-        );
-        ui.painter().text(
-            response.transform.rect.left_top() + eframe::egui::vec2(6.0, 6.0),
-            eframe::egui::Align2::LEFT_TOP,
-            line,
-            eframe::egui::TextStyle::Small.resolve(ui.style()),
-            ui.visuals().warn_fg_color,
-        );
+    match &other {
+        Some(_) => compared(ui, view, &response),
+        None => tints(ui, view, &display, response.transform.rect),
     }
     panels.overlay(ui, &Over { shown: &view.shown, picture: shown, canvas: &response }, session);
 }

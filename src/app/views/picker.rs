@@ -1,19 +1,23 @@
 //! The menu from which a view's picture is chosen.
 
 use eframe::egui::Ui;
-use firstbounce_capture::CaptureSet;
 
 use super::Shown;
+use crate::app::document::Document;
 use crate::app::results::{ShotName, When};
 
 /// The menu's entries, by group: what this set has, whether or not it is computed yet.
-pub fn entries(set: &CaptureSet) -> Vec<(String, Vec<Shown>)> {
-    let mut groups = vec![("Surface".to_owned(), surface())];
+pub fn entries(document: &Document) -> Vec<(String, Vec<Shown>)> {
+    let (set, nayar) = (&document.set, document.settings.nayar.compute);
+    let mut groups = vec![("Surface".to_owned(), surface(nayar))];
     let bounces = set.bounces();
     for light in &set.lights {
         let light = light.name.clone();
         let mut shown: Vec<_> = (1..=bounces).map(|k| Shown::Bounce { light: light.clone(), k }).collect();
         shown.push(Shown::Direct { light: light.clone() });
+        if nayar {
+            shown.push(Shown::NayarDirect { light: light.clone() });
+        }
         if bounces > 1 {
             shown.push(Shown::FigureOne { light: light.clone() });
         }
@@ -30,15 +34,16 @@ pub fn entries(set: &CaptureSet) -> Vec<(String, Vec<Shown>)> {
     groups
 }
 
-fn surface() -> Vec<Shown> {
-    let both = |shown: fn(When) -> Shown| [shown(When::After), shown(When::Before)];
-    [both(Shown::Normals), both(Shown::Albedo), both(Shown::NormalNoise), both(Shown::Depth)].concat()
+fn surface(nayar: bool) -> Vec<Shown> {
+    let whens = [When::After, When::Before].into_iter().chain(nayar.then_some(When::Nayar));
+    let each = |shown: fn(When) -> Shown| whens.clone().map(shown).collect::<Vec<_>>();
+    [each(Shown::Normals), each(Shown::Albedo), each(Shown::NormalNoise), each(Shown::Depth)].concat()
 }
 
 /// The menu's content; the picture that was chosen in this frame.
-pub fn ui(ui: &mut Ui, set: &CaptureSet, current: Option<&Shown>) -> Option<Shown> {
+pub fn ui(ui: &mut Ui, document: &Document, current: Option<&Shown>) -> Option<Shown> {
     let mut chosen = None;
-    for (group, entries) in entries(set) {
+    for (group, entries) in entries(document) {
         ui.menu_button(group, |ui| {
             for shown in entries {
                 if ui.selectable_label(current == Some(&shown), shown.title()).clicked() {

@@ -1,11 +1,13 @@
 //! From what is to be shown to numbers and colours.
 
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::set::Subject;
+use firstbounce_core::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::Shown;
 use crate::app::document::Document;
-use crate::app::results::{MarksName, PlaneName, Results, ShotName, Stored};
+use crate::app::results::{MarksName, PlaneName, Results, ShotName, Stored, When};
 use crate::gpu::{ColourMap, Display, Layer, Source, Tint};
 
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
@@ -25,6 +27,9 @@ pub struct Picture {
 
 /// The picture, or one line that says why there is none yet.
 pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, String> {
+    if shown.is_by_nayar() && !document.settings.nayar.compute {
+        return Err(not_yet(shown, document, results));
+    }
     let pictures = results.pictures();
     let stored = |name: PlaneName| pictures.plane(&name).ok_or_else(|| not_yet(shown, document, results));
     let masked = |source: Source| with_mask(source, results);
@@ -33,7 +38,12 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             let photo = stored(PlaneName::Photo(shot.clone()))?;
             let source = Source::plane(photo.plane.clone());
             let source = with_marks(source, results, &MarksName::Photo(shot.clone()));
-            Ok(Picture { source, display: grey(photo.range), quantity: LIGHT })
+            let mut display = grey(photo.range);
+            if shot.subject == Subject::MirrorSphere {
+                // All but the highlight is dark there.
+                display.tints[DARK.trailing_zeros() as usize] = Tint::default();
+            }
+            Ok(Picture { source, display, quantity: LIGHT })
         }
         Shown::Bounce { light, k } => {
             let source = Source::value(bounce(document, results, light, *k)?).map_err(|error| error.to_string())?;
@@ -71,6 +81,11 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
                 quantity: LIGHT,
             })
         }
+        Shown::NayarDirect { light } => {
+            let plane = stored(PlaneName::NayarDirect(light.clone()))?;
+            let range = pictures.plane(&PlaneName::Direct(light.clone())).map_or(plane.range, |stored| stored.range);
+            Ok(Picture { source: masked(Source::plane(plane.plane.clone())), display: grey(range), quantity: LIGHT })
+        }
         Shown::Marks { light } => {
             let photo = reference(document, results, light).ok_or_else(|| not_yet(shown, document, results))?;
             let source = Source::plane(photo.plane.clone());
@@ -98,11 +113,20 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             let quantity = if has_scale(&document.set) { "Depth toward the camera, mm" } else { "Depth, pixels" };
             Ok(value(stored(PlaneName::Depth(*when))?, ColourMap::Viridis, quantity, &masked))
         }
+        Shown::Difference(a, b) if are_normals(a, b) => {
+            let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
+            Ok(value(turned, ColourMap::Viridis, "Angle between normals, degrees", &masked))
+        }
+        Shown::Surface => Err("a surface in 3D is no picture: choose one".into()),
         Shown::Difference(a, b) => {
             let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
             let source = Source::difference(first, second).map_err(|error| error.to_string())?;
             let largest = picture(a, document, results)?.display.range[1].abs() / 4.0;
-            Ok(Picture { source: masked(source), display: Display::signed(largest), quantity: "Difference" })
+            Ok(Picture {
+                source: masked(source),
+                display: Display::signed(largest),
+                quantity: difference_of(a, document),
+            })
         }
     }
 }
@@ -120,13 +144,53 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::Residual { light } => stored(PlaneName::Residual(light.clone())),
         Shown::Noise { light } => stored(PlaneName::Noise(light.clone())),
         Shown::Direct { light } => stored(PlaneName::Direct(light.clone())),
+        Shown::NayarDirect { light } => stored(PlaneName::NayarDirect(light.clone())),
         Shown::Albedo(when) => stored(PlaneName::Albedo(*when)),
         Shown::NormalNoise(when) => stored(PlaneName::NormalNoise(*when)),
         Shown::Depth(when) => stored(PlaneName::Depth(*when)),
-        Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Difference(..) => {
+        Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Surface | Shown::Difference(..) => {
             Err(format!("{} has more than one value a pixel: choose another picture", shown.title()))
         }
     }
+}
+
+/// What a difference is of, with its unit.
+fn difference_of(a: &Shown, document: &Document) -> &'static str {
+    match (a, has_scale(&document.set)) {
+        (Shown::Depth(_), true) => "Difference of depth, mm",
+        (Shown::Depth(_), false) => "Difference of depth, pixels",
+        (Shown::NormalNoise(_), _) => "Difference of noise, degrees",
+        (Shown::Albedo(_), _) => "Difference of albedo",
+        _ => "Difference of linear light",
+    }
+}
+
+/// The unit of a picture's numbers, after a space; empty where they have none.
+pub fn unit_of(shown: &Shown, document: &Document) -> &'static str {
+    match (shown, has_scale(&document.set)) {
+        (Shown::Depth(_), true) => " mm",
+        (Shown::Depth(_), false) => " pixels",
+        (Shown::NormalNoise(_), _) => " degrees",
+        (Shown::Difference(a, b), _) if are_normals(a, b) => " degrees",
+        (Shown::Difference(a, _), _) => unit_of(a, document),
+        _ => "",
+    }
+}
+
+/// The two sides of a difference: what is shown is the first minus the second.
+pub fn sides(a: &Shown, b: &Shown, document: &Document, results: &Results) -> Result<[Layer; 2], String> {
+    if are_normals(a, b) {
+        let turned = results.pictures().plane(&PlaneName::Turned);
+        let missing = || not_yet(&Shown::Normals(When::After), document, results);
+        let turned = Layer::from(turned.ok_or_else(missing)?.plane.clone());
+        return Ok([turned.clone(), turned.amplified(0.0)]);
+    }
+    Ok([layer(a, document, results)?, layer(b, document, results)?])
+}
+
+/// Directions differ by an angle.
+fn are_normals(a: &Shown, b: &Shown) -> bool {
+    matches!((a, b), (Shown::Normals(a), Shown::Normals(b)) if a != b)
 }
 
 /// Bounce k of a light as weights on its photos.
@@ -209,15 +273,20 @@ fn has_scale(set: &CaptureSet) -> bool {
 fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
     use crate::app::results::{StageState, Step};
     let step = match shown {
+        _ if shown.is_by_nayar() => Step::Nayar,
         Shown::Photo(name) => return no_photo(name, document, results),
         Shown::Bounce { .. } | Shown::Sum { .. } | Shown::FigureOne { .. } | Shown::Difference(..) => Step::Load,
         Shown::Residual { .. } if results.rig(document).bounces >= document.set.colours.len() => {
             return "with as many bounces as colours nothing is left over: choose a lower order in Separate".into();
         }
         Shown::Residual { .. } | Shown::Noise { .. } | Shown::Marks { .. } => Step::Separate,
-        Shown::Direct { .. } | Shown::Normals(_) | Shown::Albedo(_) | Shown::NormalNoise(_) | Shown::Depth(_) => {
-            Step::Shape
-        }
+        Shown::Direct { .. }
+        | Shown::NayarDirect { .. }
+        | Shown::Normals(_)
+        | Shown::Albedo(_)
+        | Shown::NormalNoise(_)
+        | Shown::Depth(_) => Step::Shape,
+        Shown::Surface => Step::Mesh,
     };
     match results.state(step, document) {
         StageState::Failed { line } | StageState::Blocked { line } => line,

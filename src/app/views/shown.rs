@@ -37,6 +37,11 @@ pub enum Shown {
         /// The light's name.
         light: String,
     },
+    /// Direct light of a light, as Nayar's method finds it.
+    NayarDirect {
+        /// The light's name.
+        light: String,
+    },
     /// The reference colour's photo with every marked pixel of the separation tinted.
     Marks {
         /// The light's name.
@@ -55,6 +60,8 @@ pub enum Shown {
     NormalNoise(When),
     /// Depth.
     Depth(When),
+    /// Before, after and a reference in 3D.
+    Surface,
     /// One picture of single values minus another.
     Difference(Box<Shown>, Box<Shown>),
 }
@@ -81,13 +88,20 @@ impl Shown {
             Self::Residual { light } => format!("Residual, {light}"),
             Self::Noise { light } => format!("Noise of bounce 1, {light}"),
             Self::Direct { light } => format!("Bounce 1 with less noise, {light}"),
+            Self::NayarDirect { light } => format!("Direct light by Nayar's method, {light}"),
             Self::Marks { light } => format!("Marks, {light}"),
             Self::FigureOne { light } => format!("Bounces 1 and 2 in colour, {light}"),
             Self::Normals(when) => format!("Normals {}", when_words(*when)),
             Self::Albedo(when) => format!("Albedo {}", when_words(*when)),
             Self::NormalNoise(when) => format!("Noise of the normals {}", when_words(*when)),
             Self::Depth(when) => format!("Depth {}", when_words(*when)),
-            Self::Difference(a, b) => format!("{} minus {}", a.title(), b.title()),
+            Self::Surface => "Surface in 3D".into(),
+            Self::Difference(a, b) => match (&**a, &**b) {
+                (Self::Normals(a), Self::Normals(b)) => {
+                    format!("Angle between normals {} and {}", when_words(*a), when_words(*b))
+                }
+                _ => format!("{} minus {}", a.title(), b.title()),
+            },
         }
     }
 
@@ -100,10 +114,23 @@ impl Shown {
             | Self::Residual { light }
             | Self::Noise { light }
             | Self::Direct { light }
+            | Self::NayarDirect { light }
             | Self::Marks { light }
             | Self::FigureOne { light } => Some(light),
             Self::Difference(a, _) => a.light(),
-            Self::Normals(_) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) => None,
+            Self::Normals(_) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) | Self::Surface => None,
+        }
+    }
+
+    /// Whether it shows something that Nayar's method found.
+    pub fn is_by_nayar(&self) -> bool {
+        match self {
+            Self::NayarDirect { .. } => true,
+            Self::Normals(when) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => {
+                *when == When::Nayar
+            }
+            Self::Difference(a, b) => a.is_by_nayar() || b.is_by_nayar(),
+            _ => false,
         }
     }
 
@@ -121,6 +148,7 @@ fn when_words(when: When) -> &'static str {
     match when {
         When::Before => "before",
         When::After => "after",
+        When::Nayar => "by Nayar's method",
     }
 }
 

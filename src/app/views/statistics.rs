@@ -2,11 +2,15 @@
 
 use std::collections::HashMap;
 
-use super::{Shown, layer};
+use super::Shown;
+use super::picture::{sides, unit_of};
 use crate::app::document::Document;
 use crate::app::jobs::{Jobs, Task};
 use crate::app::results::Results;
 use crate::gpu::{Difference, Layer, PlaneKey, difference};
+
+/// A mean this much smaller than the differences themselves is rounding.
+const ROUNDING: f64 = 1e-6;
 
 /// Which planes, and with which weights: the same terms, the same numbers.
 type Terms = Vec<(PlaneKey, f32)>;
@@ -37,7 +41,8 @@ impl Statistics {
             self.of_view.remove(&view);
             return None;
         };
-        let (a, b) = (layer(a, document, results).ok()?, layer(b, document, results).ok()?);
+        let unit = unit_of(shown, document);
+        let [a, b] = sides(a, b, document, results).ok()?;
         let terms: Terms = a.terms().iter().chain(b.terms()).map(|(plane, weight)| (plane.key, *weight)).collect();
         let of_view = self.of_view.entry(view).or_insert_with(|| OfView { terms: Vec::new(), task: None, found: None });
         if let Some(found) = of_view.task.as_ref().and_then(Task::poll) {
@@ -50,12 +55,27 @@ impl Statistics {
         }
         Some(match &of_view.found {
             Some(Ok(found)) => format!(
-                "mean {:.3e}, rms {:.3e}, largest {:.3e} at {}, {} ({} pixels)",
-                found.mean, found.rms, found.max, found.max_at.0, found.max_at.1, found.pixels
+                "mean {}{unit}, rms {}{unit}, largest {}{unit} at column {}, row {} ({} pixels)",
+                number(if found.mean.abs() < ROUNDING * found.rms { 0.0 } else { found.mean }),
+                number(found.rms),
+                number(found.max),
+                found.max_at.0,
+                found.max_at.1,
+                found.pixels
             ),
             Some(Err(line)) => line.clone(),
             None => "comparing".into(),
         })
+    }
+}
+
+/// Four digits; powers of ten only where they are needed.
+fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if size >= 100.0 => format!("{value:.1}"),
+        size if size >= 0.001 => format!("{value:.4}"),
+        _ => format!("{value:.2e}"),
     }
 }
 

@@ -4,9 +4,10 @@ use eframe::egui::{Context, Id, Modal, Panel, Ui, ViewportCommand, Window};
 
 use super::frame_times::FrameTimes;
 use crate::app::commands::{HelpSheet, Palette};
+use crate::app::device::DeviceWatch;
 use crate::app::dialogs::Choose;
 use crate::app::path_field::PathField;
-use crate::app::session::Session;
+use crate::app::session::{Open, Session};
 
 /// What is open around the panels.
 pub struct Chrome {
@@ -24,6 +25,8 @@ pub struct Chrome {
     pub help: HelpSheet,
     /// How long frames take.
     pub frame_times: FrameTimes,
+    /// What the window draws with.
+    pub device: DeviceWatch,
     pub(super) focused: Option<Id>,
     save_as: Option<PathField>,
     leaving: Option<Leaving>,
@@ -31,9 +34,12 @@ pub struct Chrome {
 }
 
 /// What waits for an answer about unsaved edits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 enum Leaving {
+    /// For the start screen.
     Set,
+    /// For another set.
+    For(Open),
     Program,
 }
 
@@ -47,6 +53,7 @@ impl Default for Chrome {
             palette: Palette::default(),
             help: HelpSheet::default(),
             frame_times: FrameTimes::default(),
+            device: DeviceWatch::default(),
             focused: None,
             save_as: None,
             leaving: None,
@@ -62,6 +69,15 @@ impl Chrome {
             self.leaving = Some(Leaving::Set);
         } else {
             session.leave();
+        }
+    }
+
+    /// Opens a set in place of the one that is open, after asking about unsaved edits.
+    pub fn open_set(&mut self, session: &mut Session, open: Open) {
+        if session.is_open() && session.editor.is_dirty() {
+            self.leaving = Some(Leaving::For(open));
+        } else {
+            session.open(open);
         }
     }
 
@@ -137,7 +153,9 @@ impl Chrome {
     }
 
     fn ask_about_unsaved(&mut self, context: &Context, session: &mut Session) {
-        let Some(leaving) = self.leaving else { return };
+        if self.leaving.is_none() {
+            return;
+        }
         let mut answer = None;
         let modal = Modal::new(Id::unique("unsaved")).show(context, |ui| {
             ui.heading(format!("Save the changes to {}?", session.document().set.title()));
@@ -158,14 +176,14 @@ impl Chrome {
             answer = Some(false);
         }
         let Some(leave) = answer else { return };
-        self.leaving = None;
-        match leaving {
-            Leaving::Set if leave => session.leave(),
-            Leaving::Program if leave => {
+        match self.leaving.take().filter(|_| leave) {
+            Some(Leaving::Set) => session.leave(),
+            Some(Leaving::For(open)) => session.open(open),
+            Some(Leaving::Program) => {
                 self.may_close = true;
                 context.send_viewport_cmd(ViewportCommand::Close);
             }
-            _ => {}
+            None => {}
         }
     }
 }

@@ -6,26 +6,27 @@ mod steps;
 mod strip;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use eframe::egui::{
     self, CentralPanel, Context, Frame, Key, Panel as SidePanel, RichText, ScrollArea, ThemePreference, Ui,
-    ViewportCommand,
+    ViewportCommand, mutex::Mutex,
 };
-use eframe::wgpu::DeviceLostReason;
 use eframe::{App, CreationContext};
 
 use super::commands::{self, CommandId, Target};
+use super::device::DeviceWatch;
 use super::dialogs::Dialogs;
 use super::panels::{Panel, Panels};
 use super::preferences::{Folders, Theme};
 use super::results::Next;
 use super::session::{Open, Session};
 use super::start::{StartScreen, opening};
+use super::theme;
 use super::views;
 use crate::gpu;
 
 pub use chrome::Chrome;
+use frame_times::Phase;
 
 /// The window.
 pub struct Window {
@@ -33,10 +34,12 @@ pub struct Window {
     panels: Panels,
     chrome: Chrome,
     start: StartScreen,
-    /// Whether the graphics device went away under the window.
-    device_lost: Arc<AtomicBool>,
+    /// What work off the UI thread wakes; another one when the window is opened again.
+    context: Arc<Mutex<Context>>,
     /// Which of the opened sets the panels belong to.
     begun: u64,
+    /// Whether the results of the open set were never all there.
+    is_opening: bool,
     /// The title and scale that the system was told.
     told: (String, f32, Option<Theme>),
 }
@@ -44,23 +47,63 @@ pub struct Window {
 impl Window {
     /// A window without a set.
     pub fn new(creation: &CreationContext<'_>, folders: Folders, dialogs: Arc<dyn Dialogs>) -> Self {
-        let context = creation.egui_ctx.clone();
-        if let Some(render_state) = &creation.wgpu_render_state {
-            gpu::install(render_state);
-        }
-        // Edges of scroll areas would fade over the canvas, and egui's own zoom would not be remembered.
-        context.all_styles_mut(|style| style.spacing.scroll.fade.strength = 0.0);
-        context.options_mut(|options| options.zoom_with_keyboard = false);
-        let session = Session::new(folders, dialogs, Arc::new(move || context.request_repaint()));
-        Self {
-            session,
+        let context = Arc::new(Mutex::new(creation.egui_ctx.clone()));
+        let woken = context.clone();
+        let wake = move || {
+            let context = woken.lock().clone();
+            context.request_repaint();
+        };
+        let mut window = Self {
+            session: Session::new(folders, dialogs, Arc::new(wake)),
             panels: Panels::default(),
             chrome: Chrome::default(),
             start: StartScreen::default(),
-            device_lost: Arc::default(),
+            context,
             begun: 0,
+            is_opening: false,
             told: Default::default(),
+        };
+        window.prepare(creation);
+        window
+    }
+
+    /// Goes on in another window of the system, because the device of the one before went away. Set, history and results stay;
+    /// what was on the card is sent anew.
+    pub fn move_to(&mut self, creation: &CreationContext<'_>) {
+        // Sizes of panels, open sections and the like.
+        let arranged = self.context.lock().data(|data| data.clone());
+        creation.egui_ctx.data_mut(|data| *data = arranged);
+        *self.context.lock() = creation.egui_ctx.clone();
+        self.panels = Panels::default();
+        self.told = Default::default();
+        self.prepare(creation);
+    }
+
+    fn prepare(&mut self, creation: &CreationContext<'_>) {
+        let context = creation.egui_ctx.clone();
+        theme::install(&context);
+        // egui's own zoom would not be remembered.
+        context.options_mut(|options| options.zoom_with_keyboard = false);
+        if let Some(render_state) = &creation.wgpu_render_state {
+            gpu::install(render_state);
+            gpu::mesh::install(render_state);
+            self.chrome.device = DeviceWatch::new(render_state, move || context.request_repaint());
         }
+    }
+
+    /// What the window draws with, and whether that is still there.
+    pub fn device(&self) -> &DeviceWatch {
+        &self.chrome.device
+    }
+
+    /// The device that went away, if it did: nothing holds it any more.
+    pub fn take_lost_device(&mut self) -> Option<DeviceWatch> {
+        self.chrome.device.is_lost().then(|| std::mem::take(&mut self.chrome.device))
+    }
+
+    /// Keeps what is unsaved for the next run: this one cannot go on.
+    pub fn leave_to_next_run(&self) {
+        self.session.recovery.leave_to_next_run();
     }
 
     /// Opens a set.
@@ -73,6 +116,7 @@ impl Window {
     fn begin_panels(&mut self) {
         if self.begun != self.session.opened {
             self.begun = self.session.opened;
+            self.is_opening = true;
             self.panels = Panels::default();
         }
     }
@@ -96,20 +140,6 @@ impl Window {
     pub fn run(&mut self, id: CommandId, context: &Context) {
         let Self { session, panels, chrome, .. } = self;
         commands::run(id, Target { session, panels, chrome, context });
-    }
-
-    /// Closes the window when its graphics device goes away, and notes that in `lost`.
-    pub fn watch_device(&mut self, creation: &CreationContext<'_>, lost: Arc<AtomicBool>) {
-        self.device_lost = lost.clone();
-        let Some(render_state) = &creation.wgpu_render_state else { return };
-        let context = creation.egui_ctx.clone();
-        render_state.device.set_device_lost_callback(move |reason, _| {
-            // The device also goes when the window is closed.
-            if reason == DeviceLostReason::Unknown {
-                lost.store(true, Ordering::Relaxed);
-                context.request_repaint();
-            }
-        });
     }
 
     fn tell_system(&mut self, context: &Context) {
@@ -155,7 +185,7 @@ impl Window {
         match paths.as_slice() {
             [] => {}
             [set] if set.join("capture.toml").is_file() || set.ends_with("capture.toml") => {
-                self.open(Open::Set(set.clone()));
+                self.chrome.open_set(&mut self.session, Open::Set(set.clone()));
             }
             _ if self.session.is_open() => self.panels.dropped(paths, &mut self.session),
             [folder] if folder.is_dir() => {
@@ -185,8 +215,9 @@ impl Window {
             SidePanel::left("steps").default_size(340.0).size_range(220.0..=640.0).show(ui, |ui| {
                 steps::ui(ui, session);
                 ui.separator();
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    let panel = session.panel;
+                steps::next(ui, session);
+                let panel = session.panel;
+                ScrollArea::vertical().id_salt(panel.title()).auto_shrink(false).show(ui, |ui| {
                     ui.push_id(panel.title(), |ui| panels.of(panel).ui(ui, session));
                 });
             });
@@ -204,23 +235,36 @@ impl Window {
 }
 
 impl App for Window {
-    fn logic(&mut self, context: &Context, _: &mut eframe::Frame) {
+    fn logic(&mut self, context: &Context, frame: &mut eframe::Frame) {
+        let phase = if self.is_opening { Phase::Opening } else { Phase::Steady };
+        self.chrome.frame_times.begin_frame(phase, frame.info().cpu_usage);
         self.mark_gestures(context);
         if let Next::Again(after) = self.session.update() {
             context.request_repaint_after(after);
         }
+        if self.is_opening {
+            self.is_opening = !self.session.results.is_at_rest(&self.session.document());
+        }
         self.tell_system(context);
-        if self.device_lost.load(Ordering::Relaxed) {
-            self.session.recovery.leave_to_next_run();
+        self.chrome.frame_times.end_logic();
+        #[cfg(debug_assertions)]
+        self.chrome.device.begin_frame();
+        if self.chrome.device.is_lost() {
+            // Should the window not open again, the next run has it.
+            super::document::save_everything_now();
             context.send_viewport_cmd(ViewportCommand::Close);
             return;
         }
         self.chrome.guard_close(context, &mut self.session);
     }
 
-    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        // What is drawn without a device ends in a panic.
+        if self.chrome.device.is_lost() {
+            return;
+        }
         let context = ui.ctx().clone();
-        self.chrome.frame_times.note(frame.info().cpu_usage);
+        self.chrome.frame_times.begin_widgets();
         self.take_dropped(&context);
         let by_keys = commands::pressed(&context);
         let by_menu = SidePanel::top("menu").show(ui, |ui| commands::menu_bar(ui, &self.session)).inner;
@@ -238,6 +282,8 @@ impl App for Window {
         self.chrome.dialogs(&context, &mut self.session);
         self.session.log.show_toasts(&context);
         self.run_requested(&context, vec![by_keys, by_menu, by_palette]);
+        self.chrome.frame_times.end_widgets();
+        self.begin_panels();
     }
 
     fn on_exit(&mut self) {

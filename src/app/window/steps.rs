@@ -1,10 +1,11 @@
 //! The five steps and how each stands: a path, any of whose steps can be opened at any time.
 
-use eframe::egui::{Color32, RichText, Ui};
+use eframe::egui::{Color32, Panel, RichText, Ui};
 
 use crate::app::panels::PanelName;
 use crate::app::results::StageState;
 use crate::app::session::Session;
+use crate::app::theme;
 
 /// Shows the steps; a click opens one.
 pub fn ui(ui: &mut Ui, session: &mut Session) {
@@ -29,12 +30,31 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
     }
 }
 
+/// Below the open step: what to look at in it, and the way to the next.
+pub fn next(ui: &mut Ui, session: &mut Session) {
+    let (look_at, next) = match session.panel {
+        PanelName::Captures => ("No photo should be clipped, and few pixels dark.", PanelName::Calibrate),
+        PanelName::Calibrate => {
+            ("Circles on the balls' edges, highlights on the lamps, every value good.", PanelName::Separate)
+        }
+        PanelName::Separate => ("The order m whose verdict you can live with.", PanelName::Shape),
+        PanelName::Shape => ("The surface before and after.", PanelName::Export),
+        PanelName::Export => return,
+    };
+    Panel::bottom("next step").show(ui, |ui| {
+        ui.label(RichText::new(look_at).small());
+        if ui.button(format!("Next: {}", next.title())).clicked() {
+            session.panel = next;
+        }
+    });
+}
+
 fn words(state: &StageState, ui: &Ui) -> (String, Color32) {
     let visuals = ui.visuals();
     match state {
         StageState::Stale => ("waiting".into(), visuals.weak_text_color()),
         StageState::Running { fraction } => (format!("{:.0} %", 100.0 * fraction), visuals.hyperlink_color),
-        StageState::Ready => ("ready".into(), visuals.weak_text_color()),
+        StageState::Ready => ("\u{2714} ready".into(), theme::good(visuals)),
         StageState::Failed { .. } => ("failed".into(), visuals.error_fg_color),
         StageState::Blocked { .. } => ("needs something".into(), visuals.warn_fg_color),
     }

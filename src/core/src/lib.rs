@@ -18,6 +18,7 @@ pub mod lab;
 pub mod mask;
 pub mod mesh;
 pub mod mesh_topology;
+pub mod nayar;
 pub mod noise;
 pub mod normal_map;
 pub mod normals;

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{ComboBox, DragValue, RichText, Ui};
+use eframe::egui::{ComboBox, RichText, Ui};
 use firstbounce_capture::set::{Circle, Sphere, SphereKind, Subject, Word};
 use firstbounce_core::ball::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
 
 use super::{ball_title, balls_of};
 use crate::app::jobs::Task;
+use crate::app::number_field::fixed;
 use crate::app::panels::part::part;
 use crate::app::results::{Loaded, ShotName};
 use crate::app::session::Session;
@@ -102,7 +103,7 @@ impl Balls {
                     axis => &mut new.centre[axis],
                 };
                 let name = ui.label(what);
-                let field = DragValue::new(number).speed(0.05).fixed_decimals(2).suffix(" px");
+                let field = fixed(number, 2).speed(0.05).suffix(" px");
                 let field = if value == 2 { field.range(1.0..=1e5) } else { field };
                 let response = ui.add(field).labelled_by(name.id);
                 response.widget_info(|| {
@@ -111,16 +112,19 @@ impl Balls {
             }
         });
         ui.horizontal_wrapped(|ui| {
-            if ui.button("Find").on_hover_text("Looks for the ball's edge in the whole photo").clicked() {
+            let ball = title.to_lowercase();
+            let button = |ui: &mut Ui, text: &str, name: String, hover: &str| {
+                ui.button(text).accessible_name(name).on_hover_text(hover).clicked()
+            };
+            if button(ui, "Find", format!("Find {ball}"), "Looks for the ball's edge in the whole photo") {
                 self.find(session, subject, kind, Look::Anywhere);
             }
-            if ui.button("Snap to edge").on_hover_text("Fits the circle to the edge nearby").clicked() {
+            if button(ui, "Snap to edge", format!("Snap {ball} to its edge"), "Fits the circle to the edge nearby") {
                 self.find(session, subject, kind, Look::Under(old));
             }
-            if placed.is_some()
-                && ui.button("Forget").on_hover_text("Lets the program find the ball by itself").clicked()
-            {
-                session.edit(&format!("Forget the circle of the {}", title.to_lowercase()), |document| {
+            let forget = "Lets the program find the ball by itself";
+            if placed.is_some() && button(ui, "Forget", format!("Forget {ball}"), forget) {
+                session.edit(&format!("Forget the circle of the {ball}"), |document| {
                     document.set.spheres.retain(|sphere| (sphere.subject, sphere.kind) != (subject, kind));
                 });
             }

@@ -39,7 +39,8 @@ impl Histogram {
             .map(|(index, count)| Bar::new(low + (index as f64 + 0.5) * width, *count as f64).width(width));
         let chart = BarChart::new("pixels", bars.collect());
         let plot = Plot::new("ratios").height(150.0).allow_drag(false).allow_zoom(false).allow_scroll(false);
-        let response = plot.x_axis_label("ratio to the reference colour").y_axis_label("pixels").show(ui, |plot| {
+        ui.label("Pixels by their ratio to the reference colour");
+        let response = plot.show(ui, |plot| {
             plot.bar_chart(chart);
             plot.vline(VLine::new("value", ratio.value));
         });

@@ -115,9 +115,11 @@ fn counts_by(calibration: &Calibration, set: &CaptureSet) -> bool {
     calibration.lights.iter().eq(lights) && calibration.colours.iter().eq(colours)
 }
 
-/// What keeps the balls from being measured.
+/// What keeps the balls from being measured. One line in any case: what lies below must not move under the pointer when work
+/// begins and ends.
 fn status(ui: &mut Ui, session: &Session) {
     let document = session.document();
+    let mut words = "Click a ball in its photo, or type what you know.";
     for step in [Step::Measure, Step::Calibrate] {
         match session.results.state(step, &document) {
             StageState::Failed { line } => {
@@ -128,13 +130,11 @@ fn status(ui: &mut Ui, session: &Session) {
                 ui.label(RichText::new(line).color(ui.visuals().warn_fg_color));
                 return;
             }
-            StageState::Running { .. } => {
-                ui.label(RichText::new("Measuring the balls ...").weak());
-                return;
-            }
+            StageState::Running { .. } => words = "Measuring the balls ...",
             StageState::Stale | StageState::Ready => {}
         }
     }
+    ui.label(RichText::new(words).weak());
 }
 
 /// "Grey ball"

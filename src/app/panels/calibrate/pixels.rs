@@ -1,26 +1,32 @@
 //! The pixels of a ball, tinted by what became of them.
 
+use std::sync::Arc;
+
 use eframe::egui::{Color32, ColorImage, Rect, RichText, Sense, TextureHandle, TextureOptions, Ui, pos2, vec2};
 use firstbounce_capture::pipeline::Calibrated;
 use firstbounce_capture::set::{CaptureSet, SphereKind};
 use firstbounce_core::calibrate::{BallPixels, PixelCounts, PixelUse};
 
 use crate::app::panels::Over;
-use crate::app::results::ShotName;
+use crate::app::results::{Calibration, ShotName};
 use crate::app::session::Session;
 
 /// The longest side of a tint's texture; larger balls are shown coarser.
 const MAX_SIDE: usize = 2048;
 const STRENGTH: u8 = 110;
 
-/// What is tinted, and the tint that was made last.
+/// What is tinted, and the tints that were made of the last calibration.
 pub struct PixelTints {
     on: bool,
-    made: Option<Made>,
+    made: Vec<Made>,
 }
 
 struct Made {
-    key: (usize, ShotName),
+    /// The calibration is held: another one cannot come to lie in its place.
+    of: Arc<Calibration>,
+    ball: (ShotName, SphereKind),
+    /// Whether a view shows it: the legend tells of those.
+    is_seen: bool,
     texture: TextureHandle,
     /// Of the square of the photo: left, top, width, height in pixels.
     square_px: [usize; 4],
@@ -30,7 +36,7 @@ struct Made {
 
 impl Default for PixelTints {
     fn default() -> Self {
-        Self { on: true, made: None }
+        Self { on: true, made: Vec::new() }
     }
 }
 
@@ -39,12 +45,15 @@ impl PixelTints {
     pub fn paint(&mut self, ui: &mut Ui, over: &Over<'_>, session: &Session, shot: &ShotName, kind: SphereKind) {
         let document = session.document();
         let Some(measured) = session.results.measured().filter(|_| self.on) else { return };
-        let key = (std::sync::Arc::as_ptr(&measured) as usize, shot.clone());
-        if self.made.as_ref().is_none_or(|made| made.key != key) {
+        self.made.retain(|made| Arc::ptr_eq(&made.of, &measured));
+        let ball = (shot.clone(), kind);
+        if !self.made.iter().any(|made| made.ball == ball) {
             let pixels = pixels_of(&document.set, &measured.calibrated, shot, kind);
-            self.made = pixels.and_then(|pixels| make(ui, key, pixels, over.shown.title()));
+            let title = over.shown.title();
+            self.made.extend(pixels.and_then(|pixels| make(ui, measured.clone(), ball.clone(), pixels, title)));
         }
-        let Some(made) = &self.made else { return };
+        let Some(made) = self.made.iter_mut().find(|made| made.ball == ball) else { return };
+        made.is_seen = true;
         let [x, y, width, height] = made.square_px.map(|px| px as f64);
         let transform = &over.canvas.transform;
         let place = Rect::from_min_max(transform.to_screen([x, y]), transform.to_screen([x + width, y + height]));
@@ -56,19 +65,21 @@ impl PixelTints {
     /// What the tints mean, and how many pixels have each.
     pub fn legend(&mut self, ui: &mut Ui) {
         ui.checkbox(&mut self.on, "Tint the balls' pixels by their use");
-        let Some(made) = self.made.as_ref().filter(|_| self.on) else { return };
-        ui.label(RichText::new(&made.title).small());
-        ui.horizontal_wrapped(|ui| {
-            for (pixel, words) in USES {
-                let count = count_of(&made.counts, pixel);
-                if count == 0 {
-                    continue;
+        for made in self.made.iter_mut().filter(|made| made.is_seen) {
+            made.is_seen = false;
+            ui.label(RichText::new(&made.title).small());
+            ui.horizontal_wrapped(|ui| {
+                for (pixel, words) in USES {
+                    let count = count_of(&made.counts, pixel);
+                    if count == 0 {
+                        continue;
+                    }
+                    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+                    ui.painter().rect_filled(rect, 2.0, colour_of(pixel).to_opaque());
+                    ui.label(RichText::new(format!("{words}: {count}")).small());
                 }
-                let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-                ui.painter().rect_filled(rect, 2.0, colour_of(pixel).to_opaque());
-                ui.label(RichText::new(format!("{words}: {count}")).small());
-            }
-        });
+            });
+        }
         ui.separator();
     }
 }
@@ -128,7 +139,13 @@ fn pixels_of<'a>(
     }
 }
 
-fn make(ui: &Ui, key: (usize, ShotName), pixels: &BallPixels, title: String) -> Option<Made> {
+fn make(
+    ui: &Ui,
+    of: Arc<Calibration>,
+    ball: (ShotName, SphereKind),
+    pixels: &BallPixels,
+    title: String,
+) -> Option<Made> {
     let (width, height) = (pixels.width, pixels.uses.len().checked_div(pixels.width)?);
     let stride = width.max(height).div_ceil(MAX_SIDE).max(1);
     let (columns, rows) = (width.div_ceil(stride), height.div_ceil(stride));
@@ -139,5 +156,6 @@ fn make(ui: &Ui, key: (usize, ShotName), pixels: &BallPixels, title: String) -> 
     let image = ColorImage::new([columns, rows], colours);
     let texture = ui.ctx().load_texture("pixels of a ball", image, TextureOptions::NEAREST);
     let (x, y) = pixels.origin;
-    Some(Made { key, texture, square_px: [x, y, columns * stride, rows * stride], counts: pixels.counts(), title })
+    let square_px = [x, y, columns * stride, rows * stride];
+    Some(Made { of, ball, is_seen: false, texture, square_px, counts: pixels.counts(), title })
 }

@@ -1,11 +1,13 @@
 //! The values in force: typed or measured, with interval, verdict and source.
 
-use eframe::egui::{Color32, DragValue, RichText, Role, Ui, WidgetInfo};
+use eframe::egui::{Color32, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::pipeline::{Calibrated, Known, Source, Verdict};
 use firstbounce_capture::set::CaptureSet;
 
+use crate::app::number_field::fixed;
 use crate::app::panels::part::part;
 use crate::app::session::Session;
+use crate::app::theme;
 
 /// What a person did to a value.
 enum Change<T> {
@@ -47,12 +49,14 @@ fn beta(
     measured: Option<&Calibrated>,
     c: usize,
 ) {
-    let label = format!("beta, {}", set.colours[c].name);
+    let colour = &set.colours[c].name;
+    let label = format!("beta, {colour}");
+    let meaning = format!("The paint's albedo in {colour} over that in {}", set.colours[0].name);
     let known = in_force.beta.as_ref().and_then(|beta| beta.get(c));
     let typed = set.calibration.beta.is_some();
     let was = measured.and_then(|measured| measured.beta.as_ref()?.get(c));
     let verdict = in_force.judge_beta(set, c);
-    match number(ui, &label, known, was, typed, verdict) {
+    match number(ui, &label, (&label, &meaning), known, was, typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
             let old = in_force.beta.as_deref().map(values).unwrap_or_else(|| vec![1.0; colours]);
@@ -74,12 +78,16 @@ fn alpha(
     (l, c): (usize, usize),
 ) {
     let light = &set.lights[l].name;
-    let label = format!("alpha, {light}, {}", set.colours[c].name);
+    let colour = &set.colours[c].name;
+    let label = format!("alpha, {light}, {colour}");
+    let shown = format!("alpha, {colour}");
+    let meaning = format!("This lamp's intensity in {colour} over that in {}", set.colours[0].name);
     let of = |calibrated: &Calibrated| calibrated.alpha.get(l)?.as_ref()?.get(c).cloned();
     let known = of(in_force);
     let was = measured.and_then(of);
     let typed = set.calibration.alpha.contains_key(light);
-    match number(ui, &label, known.as_ref(), was.as_ref(), typed, in_force.judge_alpha(l, c)) {
+    let verdict = in_force.judge_alpha(l, c);
+    match number(ui, &label, (&shown, &meaning), known.as_ref(), was.as_ref(), typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
             let old = in_force.alpha.get(l).and_then(Option::as_deref).map(values);
@@ -97,7 +105,9 @@ fn intensity(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
     let light = &set.lights[l].name;
     let label = format!("intensity, {light}");
     let typed = set.calibration.intensity.contains_key(light);
-    match number(ui, &label, in_force.intensity.get(l), None, typed, in_force.judge_intensity(l)) {
+    let meaning = "This lamp's intensity in the reference colour over that of the first light";
+    let (known, verdict) = (in_force.intensity.get(l), in_force.judge_intensity(l));
+    match number(ui, &label, ("intensity", meaning), known, None, typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             document.set.calibration.intensity.insert(light.clone(), value);
         }),
@@ -117,7 +127,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
     let old = given.or_else(|| known.map(|known| known.value));
     let mut new = old.unwrap_or([0.0, 0.0, 1.0]);
     ui.horizontal_wrapped(|ui| {
-        ui.label("direction");
+        ui.label("direction").on_hover_text("To the light: x right, y up, z toward the camera; of any length");
         if old.is_none() {
             ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
         }
@@ -148,6 +158,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
 fn number(
     ui: &mut Ui,
     label: &str,
+    (shown, meaning): (&str, &str),
     known: Option<&Known<f64>>,
     measured: Option<&Known<f64>>,
     typed: bool,
@@ -156,7 +167,7 @@ fn number(
     let mut value = known.map_or(1.0, |known| known.value);
     let mut change = None;
     ui.horizontal_wrapped(|ui| {
-        ui.label(label.replacen(", ", " ", 1));
+        ui.label(shown).on_hover_text(meaning);
         if known.is_none() {
             ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
         }
@@ -201,7 +212,7 @@ fn judged(ui: &mut Ui, label: &str, source: &str, typed: bool, verdict: Option<V
 
 /// A number under an accessible name; whether it was changed.
 fn field(ui: &mut Ui, number: &mut f64, least: f64, name: &str) -> bool {
-    let field = DragValue::new(number).speed(0.001).fixed_decimals(4).range(least..=f64::INFINITY);
+    let field = fixed(number, 4).speed(0.001).range(least..=f64::INFINITY);
     let response = part(ui, name, |ui| ui.add(field));
     response.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, name));
     response.changed()
@@ -209,7 +220,7 @@ fn field(ui: &mut Ui, number: &mut f64, least: f64, name: &str) -> bool {
 
 fn colour(ui: &Ui, verdict: &Verdict) -> Color32 {
     match verdict {
-        Verdict::Good => Color32::from_rgb(46, 160, 80),
+        Verdict::Good => theme::good(ui.visuals()),
         Verdict::TakeCare(_) => ui.visuals().warn_fg_color,
         Verdict::DoNotTrust(_) => ui.visuals().error_fg_color,
     }

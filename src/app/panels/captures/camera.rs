@@ -1,8 +1,9 @@
 //! The camera: how its files store light, and the question that 8-bit files raise.
 
-use eframe::egui::{ComboBox, DragValue, RichText, Ui};
+use eframe::egui::{ComboBox, RichText, Ui};
 use firstbounce_capture::set::{Camera, Encoding, Projection};
 
+use crate::app::number_field::up_to;
 use crate::app::session::Session;
 
 /// What a person answered in this session.
@@ -66,10 +67,10 @@ fn camera(ui: &mut Ui, camera: &mut Camera) {
     });
     if let Encoding::Gamma(gamma) = &mut camera.encoding {
         let label = ui.label("Gamma");
-        ui.add(DragValue::new(gamma).speed(0.01).range(0.1..=10.0)).labelled_by(label.id);
+        ui.add(up_to(gamma, 4).speed(0.01).range(0.1..=10.0)).labelled_by(label.id);
     }
     let label = ui.label("Black level, stored value");
-    ui.add(DragValue::new(&mut camera.black_level).speed(1.0)).labelled_by(label.id);
+    ui.add(up_to(&mut camera.black_level, 4).speed(1.0)).labelled_by(label.id);
     optional(
         ui,
         "White level, stored value",
@@ -92,6 +93,6 @@ fn optional(ui: &mut Ui, label: &str, absent: &str, value: &mut Option<f64>, fir
     }
     if let Some(number) = value {
         let name = ui.label(label);
-        ui.add(DragValue::new(number).speed(0.001 * first).range(1e-6..=f64::INFINITY)).labelled_by(name.id);
+        ui.add(up_to(number, 6).speed(0.001 * first).range(1e-6..=f64::INFINITY)).labelled_by(name.id);
     }
 }

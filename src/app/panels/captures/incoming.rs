@@ -7,6 +7,8 @@ use eframe::egui::{Button, ComboBox, Key, PopupCloseBehavior, RichText, Role, Te
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::set::{Became, GuessOptions, Pattern, Subject, Word, add_files, assign, propose};
 
+use super::in_order::InOrder;
+use crate::app::panels::part::part;
 use crate::app::session::Session;
 
 /// Files that a person dropped, before they are the set's.
@@ -16,6 +18,7 @@ pub struct Incoming {
     subject: Subject,
     rgb: bool,
     by_hand: HashMap<PathBuf, Hand>,
+    in_order: Option<InOrder>,
 }
 
 /// What a person says that a file is.
@@ -41,7 +44,7 @@ impl Incoming {
         let useful = proposed.filter(|pattern| pattern.names_colour() || pattern.names_subject());
         let rgb = rgb && useful.is_some();
         let pattern = useful.map_or_else(|| "{light}-{colour}".to_owned(), |pattern| pattern.to_string());
-        Self { files, pattern, subject: Subject::Object, rgb, by_hand: HashMap::new() }
+        Self { files, pattern, subject: Subject::Object, rgb, by_hand: HashMap::new(), in_order: None }
     }
 
     pub fn take_more(&mut self, files: Vec<PathBuf>) {
@@ -52,7 +55,7 @@ impl Incoming {
     /// Shows the files; whether they are done with.
     pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
         let document = session.document();
-        ui.label(RichText::new(format!("{} files to add", self.files.len())).strong());
+        ui.label(RichText::new(format!("{} to add", count_of(self.files.len()))).strong());
         let options = self.options(ui);
         let mut after = document.set.clone();
         let previews = self.apply(&mut after, options.as_ref());
@@ -60,14 +63,14 @@ impl Incoming {
 
         let mut done = false;
         ui.horizontal_wrapped(|ui| {
-            let text = format!("Add {assigned} files");
+            let text = format!("Add {}", count_of(assigned));
             if ui.add_enabled(assigned > 0, Button::new(text)).clicked() {
                 session.edit("Add photos", |document| document.set = after.clone());
                 let left = previews.len() - assigned;
                 if left == 0 {
-                    session.done(format!("Added {assigned} files"));
+                    session.done(format!("Added {}", count_of(assigned)));
                 } else {
-                    session.warn(format!("Added {assigned} files; {left} are not assigned yet"));
+                    session.warn(format!("Added {}; {left} not assigned yet", count_of(assigned)));
                 }
                 let mut kept = previews.iter().map(|preview| matches!(preview, Preview::Unassigned(_)));
                 self.files.retain(|_| kept.next().unwrap_or(false));
@@ -77,14 +80,29 @@ impl Incoming {
         });
         let unassigned = previews.len() - assigned;
         if unassigned > 0 {
-            ui.label(format!("{unassigned} files do not say what they are: change the pattern, or say it below."));
+            let words = if unassigned == 1 { "does not say what it is" } else { "do not say what they are" };
+            ui.label(format!("{} {words}: change the pattern, or say it below.", count_of(unassigned)));
+            part(ui, "in order", |ui| self.order(ui, &document.set, &previews));
         }
         for (index, preview) in previews.iter().enumerate() {
             if let Some(file) = self.files.get(index).cloned() {
-                self.row(ui, &document.set, &file, preview);
+                part(ui, &file, |ui| self.row(ui, &document.set, &file, preview));
             }
         }
         done
+    }
+
+    /// Says at once of all files that are not assigned what they are, by their order.
+    fn order(&mut self, ui: &mut Ui, set: &CaptureSet, previews: &[Preview]) {
+        let open = self.files.iter().zip(previews).filter(|(_, preview)| matches!(preview, Preview::Unassigned(_)));
+        let open: Vec<_> = open.map(|(file, _)| file.clone()).collect();
+        let in_order = self.in_order.get_or_insert_with(|| InOrder::new(set));
+        let said =
+            ui.collapsing("By the order in which they were taken", |ui| in_order.ui(ui, open.len())).body_returned;
+        let subject = in_order.subject;
+        for (file, (light, colour)) in open.into_iter().zip(said.flatten().unwrap_or_default()) {
+            self.by_hand.insert(file, Hand { subject, light, colour });
+        }
     }
 
     /// The pattern field and what goes with it; `None` while it is no pattern.
@@ -167,6 +185,11 @@ impl Incoming {
     fn typed<'a>(&'a self, name: fn(&'a Hand) -> &'a String) -> impl Iterator<Item = &'a str> {
         self.files.iter().filter_map(|file| self.by_hand.get(file)).map(move |hand| name(hand).as_str())
     }
+}
+
+/// "1 file", "6 files"
+fn count_of(files: usize) -> String {
+    if files == 1 { "1 file".into() } else { format!("{files} files") }
 }
 
 fn by_hand(set: &mut CaptureSet, file: &Path, hand: &Hand) -> Preview {

@@ -1,16 +1,17 @@
 //! Which photo is which: subject, light and colour of every file, how well each is exposed, and the object's mask.
 
 mod camera;
+mod in_order;
 mod incoming;
 mod mask;
 mod names;
 mod shot;
 mod table;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{RichText, Ui};
-use firstbounce_capture::image_file::pictures_in;
+use firstbounce_capture::image_file::{Format, pictures_in};
 use firstbounce_capture::set::Location;
 
 use super::part::part;
@@ -71,10 +72,15 @@ impl Panel for Captures {
 impl Captures {
     /// Files and folders that were dropped on the window, or chosen in a dialog.
     pub fn dropped(&mut self, paths: Vec<PathBuf>, session: &mut Session) {
-        let files = pictures_in(&paths);
+        let (files, others): (Vec<_>, Vec<_>) = pictures_in(&paths).into_iter().partition(|file| may_be_picture(file));
+        const READ: &str = "PNG, TIFF, EXR, JPEG, HDR and PFM files are read";
         if files.is_empty() {
-            session.warn("There is no picture in what was dropped: PNG, TIFF, EXR, JPEG, HDR and PFM files are read");
+            session.warn(format!("There is no picture in what was dropped: {READ}"));
             return;
+        }
+        if let Some(first) = others.first() {
+            let more = if others.len() > 1 { format!(" and {} more", others.len() - 1) } else { String::new() };
+            session.warn(format!("{}{more}: left out, {READ}", first.display()));
         }
         match &mut self.incoming {
             Some(incoming) => incoming.take_more(files),
@@ -98,6 +104,12 @@ impl Captures {
         }
         ui.separator();
     }
+}
+
+/// By the end of its name: what it holds is found out when it is read.
+fn may_be_picture(file: &Path) -> bool {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    Format::ALL.iter().any(|format| format.extensions().contains(&ending.as_str()))
 }
 
 /// What is wrong with the set and stands in no cell of the tables.

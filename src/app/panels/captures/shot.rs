@@ -1,9 +1,10 @@
 //! The photo that is selected: its files, exposure and encoding, and what it is.
 
-use eframe::egui::{ComboBox, DragValue, RichText, Role, Ui, WidgetInfo};
+use eframe::egui::{ComboBox, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::set::{Encoding, Shot};
 
 use super::incoming::{name_box, subject_box};
+use crate::app::number_field::up_to;
 use crate::app::results::ShotName;
 use crate::app::session::Session;
 use crate::app::views::Shown;
@@ -23,7 +24,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session, name: &ShotName, selected: &mut Op
         ui.label(RichText::new(&title).strong());
         place(ui, session, &mut new);
         let label = ui.label("Exposure, relative");
-        ui.add(DragValue::new(&mut new.exposure).speed(0.01).range(1e-6..=1e6)).labelled_by(label.id);
+        ui.add(up_to(&mut new.exposure, 6).speed(0.01).range(1e-6..=1e6)).labelled_by(label.id);
         encoding(ui, &mut new.encoding);
         let mut gone = None;
         for (place, file) in new.files.iter().enumerate() {
@@ -88,6 +89,6 @@ fn encoding(ui: &mut Ui, encoding: &mut Option<Encoding>) {
     });
     if let Some(Encoding::Gamma(gamma)) = encoding {
         let label = ui.label("Gamma");
-        ui.add(DragValue::new(gamma).speed(0.01).range(0.1..=10.0)).labelled_by(label.id);
+        ui.add(up_to(gamma, 4).speed(0.01).range(0.1..=10.0)).labelled_by(label.id);
     }
 }

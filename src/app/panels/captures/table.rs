@@ -207,10 +207,7 @@ fn look_at(set: &CaptureSet, loaded: &Loaded, job: &Job) -> Result<Vec<Look>, St
         let own = set.shots.iter().find(|other| ShotName::of(other) == name);
         let region = own.and_then(|own| region_of(set, own, mask, photo.linear.size()));
         let small = thumbnail(&photo.linear, THUMBNAIL_PX);
-        // What matters on a mirror ball is the brightest spot, elsewhere all but it.
-        let brightest = small.data().iter().copied().fold(0.0, f32::max);
-        let white =
-            if name.subject == Subject::MirrorSphere { brightest } else { shot.range[1] }.max(f32::MIN_POSITIVE);
+        let white = shot.range[1].max(f32::MIN_POSITIVE);
         let grey = |light: &f32| {
             Color32::from_gray((Encoding::Srgb.encode((light / white).clamp(0.0, 1.0)) * 255.0).round() as u8)
         };

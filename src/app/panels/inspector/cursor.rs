@@ -6,7 +6,7 @@ use firstbounce_capture::set::Subject;
 use super::number;
 use crate::app::document::Document;
 use crate::app::session::Session;
-use crate::app::views::{Hover, Shown, entries, picture};
+use crate::app::views::{Hover, Shown, entries, picture, unit_of};
 use crate::app::window::advice;
 
 /// The pixel that is looked at: the one under the pointer last, unless it is held.
@@ -35,7 +35,7 @@ impl Cursor {
             advice(ui, "Point at a pixel, or type its column and row.");
             return;
         };
-        for (group, entries) in entries(&document.set) {
+        for (group, entries) in entries(document) {
             let known: Vec<_> = entries
                 .into_iter()
                 .filter(|entry| entry.subject() == shown.subject())
@@ -84,5 +84,5 @@ fn values(shown: &Shown, (x, y): (usize, usize), document: &Document, session: &
     let picture = picture(shown, document, &session.results).ok()?;
     let values = picture.source.values_at(x, y);
     let words: Vec<_> = values.iter().map(|value| number(f64::from(*value))).collect();
-    (!words.is_empty()).then(|| words.join(", "))
+    (!words.is_empty()).then(|| words.join(", ") + unit_of(shown, document))
 }

@@ -11,7 +11,7 @@ const HEIGHT: f32 = 120.0;
 const CHANNELS: [Color32; 3] =
     [Color32::from_rgb(230, 80, 70), Color32::from_rgb(70, 170, 90), Color32::from_rgb(80, 130, 240)];
 
-pub fn ui(ui: &mut Ui, histograms: &[Histogram], channels: &[&str]) {
+pub fn ui(ui: &mut Ui, histograms: &[Histogram], channels: &[&str], log_counts: bool) {
     let Some(first) = histograms.first() else { return };
     let logarithmic = first.scale == Scale::Logarithmic;
     let plot = Plot::new("histogram")
@@ -27,10 +27,11 @@ pub fn ui(ui: &mut Ui, histograms: &[Histogram], channels: &[&str]) {
             let ink = plot.ctx().global_style().visuals.text_color();
             for (histogram, (channel, colour)) in histograms.iter().zip(channels.iter().zip(CHANNELS)) {
                 let colour = if channels.len() > 1 { colour } else { ink };
-                plot.line(Line::new(format!("Pixels {channel}"), steps(histogram)).color(colour).fill(0.0));
+                plot.line(Line::new(format!("Pixels {channel}"), steps(histogram, log_counts)).color(colour).fill(0.0));
             }
         });
-    let spoken = format!("Histogram from {} to {}", number(first.range[0]), number(first.range[1]));
+    let counts = if log_counts { "Histogram, logarithmic counts," } else { "Histogram" };
+    let spoken = format!("{counts} from {} to {}", number(first.range[0]), number(first.range[1]));
     plot.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &spoken));
     let below: u64 = histograms.iter().map(|histogram| histogram.below).sum();
     if logarithmic && below > 0 {
@@ -39,11 +40,12 @@ pub fn ui(ui: &mut Ui, histograms: &[Histogram], channels: &[&str]) {
 }
 
 /// The outline of the bars.
-fn steps(histogram: &Histogram) -> Vec<[f64; 2]> {
+fn steps(histogram: &Histogram, log_counts: bool) -> Vec<[f64; 2]> {
+    let height = |count: u64| if log_counts { (1.0 + count as f64).log10() } else { count as f64 };
     let place = |value: f64| if histogram.scale == Scale::Logarithmic { value.log10() } else { value };
     let bar = |(bin, count): (usize, &u64)| {
         let [low, high] = histogram.bin(bin);
-        [[place(low), *count as f64], [place(high), *count as f64]]
+        [[place(low), height(*count)], [place(high), height(*count)]]
     };
     histogram.counts.iter().enumerate().flat_map(bar).collect()
 }

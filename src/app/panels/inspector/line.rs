@@ -33,8 +33,11 @@ impl LineSection {
         self.choose(ui, active, document);
         let profiled = std::iter::once(active).chain(self.others.iter().filter(|other| *other != active));
         let mut curves = Vec::new();
+        let mut quantity = None;
         for shown in profiled.filter(|shown| shown.subject() == active.subject()) {
             let Ok(picture) = picture(shown, document, &session.results) else { continue };
+            // Pictures of several quantities share one axis, which then has no name.
+            quantity = Some(if quantity.is_none_or(|known| known == picture.quantity) { picture.quantity } else { "" });
             let (distance_px, channels) = picture.source.along(from_px, to_px);
             for (values, channel) in channels.iter().zip(picture.source.channels()) {
                 let points: Vec<_> =
@@ -42,6 +45,7 @@ impl LineSection {
                 curves.push((format!("{} {channel}", shown.title()).trim().to_owned(), points));
             }
         }
+        let quantity = quantity.unwrap_or_default();
         let length = (to_px[0] - from_px[0]).hypot(to_px[1] - from_px[1]);
         let spoken = format!("Profile of {} pictures over {} pixels", 1 + self.others.len(), number(length));
         let plot = Plot::new("profile")
@@ -51,6 +55,7 @@ impl LineSection {
             .allow_scroll(false)
             .allow_boxed_zoom(false)
             .x_axis_label("distance, px")
+            .y_axis_label(quantity)
             .legend(Legend::default())
             .show(ui, |plot| {
                 curves.into_iter().for_each(|(name, points)| plot.line(Line::new(name, points).width(1.5)));
@@ -60,7 +65,7 @@ impl LineSection {
 
     fn choose(&mut self, ui: &mut Ui, active: &Shown, document: &Document) {
         ui.menu_button("Add a picture to the profile", |ui| {
-            if let Some(chosen) = picker(ui, &document.set, None) {
+            if let Some(chosen) = picker(ui, document, None) {
                 let known = chosen == *active || self.others.contains(&chosen);
                 if !known && chosen.subject() == active.subject() {
                     self.others.push(chosen);

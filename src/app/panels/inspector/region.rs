@@ -1,5 +1,7 @@
 //! Statistics and histogram of the active picture, in a region or over the whole object.
 
+use std::time::{Duration, Instant};
+
 use eframe::egui::{Grid, RichText, Ui};
 use firstbounce_core::Mask;
 use firstbounce_core::statistics::{Histogram, Region, RegionStatistics, Scale, statistics};
@@ -11,18 +13,27 @@ use crate::app::views::{Picture, Shown};
 use crate::gpu::Source;
 
 const BINS: usize = 128;
+/// Pictures up to this many pixels are measured whenever their numbers change.
+const AT_ONCE_PIXELS: usize = 1 << 20;
+/// Larger ones when their numbers have stayed for so long.
+const REST: Duration = Duration::from_millis(200);
 
 /// What was measured last, and what is being measured.
 #[derive(Default)]
 pub struct RegionSection {
     scale: Scale,
+    /// Whether the histogram's counts are shown by their logarithm, so that rare values are seen too.
+    log_counts: bool,
     measured: Option<Measured>,
     task: Option<Task<Measured>>,
+    /// What is to be measured once it has rested, and since when it rests.
+    wanted: Option<(Source, Instant)>,
 }
 
 /// The numbers of a picture in a region, and of which.
 #[derive(Clone, Debug)]
 struct Measured {
+    shown: Shown,
     source: Source,
     region: Option<Region>,
     scale: Scale,
@@ -39,18 +50,19 @@ impl RegionSection {
         region: Option<&Region>,
         session: &mut Session,
     ) {
-        self.measure(&picture.source, region, session);
+        self.measure(ui, shown, &picture.source, region, session);
         let of = match region {
             Some(Region::Rectangle(a, b)) => {
                 format!("{} x {} px", number((b[0] - a[0]).abs()), number((b[1] - a[1]).abs()))
             }
             Some(Region::Lasso(_)) => "inside the lasso".into(),
-            None if picture.source.inside().is_some() => "whole object".into(),
+            None if picture.source.has_mask() => "whole object".into(),
             None => "whole picture".into(),
         };
         ui.label(format!("{}: {of}", shown.title()));
         ui.label(RichText::new(picture.quantity).weak());
-        let Some(measured) = &self.measured else {
+        // While a value is dragged the numbers may lag, but never are those of another picture.
+        let Some(measured) = self.measured.as_ref().filter(|measured| measured.shown == *shown) else {
             ui.label(RichText::new("Being measured.").weak());
             return;
         };
@@ -59,28 +71,53 @@ impl RegionSection {
             ui.label("Histogram");
             ui.radio_value(&mut self.scale, Scale::Linear, "Linear");
             ui.radio_value(&mut self.scale, Scale::Logarithmic, "Logarithmic");
+            ui.checkbox(&mut self.log_counts, "Logarithmic counts")
+                .on_hover_text("Shows rare values beside frequent ones");
         });
-        histogram::ui(ui, &measured.histograms, measured.source.channels());
+        histogram::ui(ui, &measured.histograms, measured.source.channels(), self.log_counts);
+    }
+
+    /// Whether the numbers stay as they are: those of a large picture are not measured in every frame of a drag, which would
+    /// take the cores from the drag.
+    fn has_rested(&mut self, ui: &Ui, source: &Source) -> bool {
+        let (width, height) = source.size();
+        if width * height <= AT_ONCE_PIXELS {
+            return true;
+        }
+        match &self.wanted {
+            Some((wanted, since)) if wanted.same_numbers(source) => match REST.checked_sub(since.elapsed()) {
+                Some(left) if !left.is_zero() => ui.ctx().request_repaint_after(left),
+                _ => return true,
+            },
+            _ => {
+                self.wanted = Some((source.clone(), Instant::now()));
+                ui.ctx().request_repaint_after(REST);
+            }
+        }
+        false
     }
 
     /// Takes what is ready, and starts anew when it is not that of this frame.
-    fn measure(&mut self, source: &Source, region: Option<&Region>, session: &mut Session) {
+    fn measure(&mut self, ui: &Ui, shown: &Shown, source: &Source, region: Option<&Region>, session: &mut Session) {
         if let Some(result) = self.task.as_ref().and_then(Task::poll) {
             self.task = None;
             self.measured = result.ok();
         }
         let is_it = |measured: &Measured| {
-            measured.scale == self.scale && measured.region.as_ref() == region && measured.source.same_numbers(source)
+            measured.scale == self.scale
+                && measured.region.as_ref() == region
+                && measured.shown == *shown
+                && measured.source.same_numbers(source)
         };
-        if self.task.is_some() || self.measured.as_ref().is_some_and(is_it) {
+        if self.task.is_some() || self.measured.as_ref().is_some_and(is_it) || !self.has_rested(ui, source) {
             return;
         }
-        let (source, region, scale) = (source.clone(), region.cloned(), self.scale);
-        self.task = Some(session.jobs.start("Measure region", move |_| Ok(measure(source, region, scale))));
+        let (shown, source, region, scale) = (shown.clone(), source.clone(), region.cloned(), self.scale);
+        self.task = Some(session.jobs.start("Measure region", move |_| Ok(measure(shown, source, region, scale))));
     }
 }
 
-fn measure(source: Source, region: Option<Region>, scale: Scale) -> Measured {
+fn measure(shown: Shown, source: Source, region: Option<Region>, scale: Scale) -> Measured {
     let (width, height) = source.size();
     let mask = match &region {
         Some(region) => region.mask(width, height),
@@ -89,7 +126,7 @@ fn measure(source: Source, region: Option<Region>, scale: Scale) -> Measured {
     let planes = source.planes();
     let statistics = planes.iter().map(|plane| statistics(plane, &mask)).collect();
     let histograms = planes.iter().map(|plane| Histogram::new(plane, Some(&mask), BINS, scale)).collect();
-    Measured { source, region, scale, statistics, histograms }
+    Measured { shown, source, region, scale, statistics, histograms }
 }
 
 fn table(ui: &mut Ui, measured: &Measured) {

@@ -1,11 +1,12 @@
 //! What a person draws on pictures to measure: a rectangle, a lasso, a line. By pointer, or by typed corners.
 
-use eframe::egui::{Color32, DragValue, Painter, Pos2, RichText, Stroke, Ui};
+use eframe::egui::{Color32, Painter, Pos2, RichText, Stroke, Ui};
 use firstbounce_capture::set::Subject;
 use firstbounce_core::statistics::Region;
 
 use super::OnSubject;
 use crate::app::canvas::Transform;
+use crate::app::number_field::up_to;
 use crate::app::panels::Over;
 
 /// What dragging on a picture draws.
@@ -132,7 +133,7 @@ fn points(ui: &mut Ui, names: [&str; 4], points: &mut [[f64; 2]; 2], size: (usiz
         for (i, (name, value)) in names.into_iter().zip([x0, y0, x1, y1]).enumerate() {
             let end = if i % 2 == 0 { size.0 } else { size.1 } as f64;
             let label = ui.label(name);
-            let field = DragValue::new(value).range(0.0..=end).max_decimals(1).suffix(" px");
+            let field = up_to(value, 1).range(0.0..=end).suffix(" px");
             changed |= ui.add(field).labelled_by(label.id).changed();
         }
     });

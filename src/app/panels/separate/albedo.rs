@@ -1,8 +1,9 @@
 //! beta of every colour: measured, or typed here.
 
-use eframe::egui::{DragValue, Grid, RichText, Ui};
+use eframe::egui::{Grid, RichText, Ui};
 
 use crate::app::document::Document;
+use crate::app::number_field::fixed;
 use crate::app::session::Session;
 
 pub fn ui(ui: &mut Ui, document: &Document, session: &mut Session) {
@@ -20,7 +21,7 @@ pub fn ui(ui: &mut Ui, document: &Document, session: &mut Session) {
         for (c, colour) in set.colours.iter().enumerate().skip(1) {
             let label = ui.label(format!("beta of {}", colour.name));
             let mut value = beta[c];
-            let field = DragValue::new(&mut value).speed(0.002).range(0.01..=4.0).max_decimals(4);
+            let field = fixed(&mut value, 4).speed(0.002).range(0.01..=4.0);
             if ui.add(field).labelled_by(label.id).changed() {
                 let mut typed = beta.clone();
                 typed[c] = value;

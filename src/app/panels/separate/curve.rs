@@ -26,15 +26,13 @@ pub fn ui(ui: &mut Ui, document: &Document, options: &TrustOptions, session: &Se
         .collect();
     let widest = named.iter().map(|(pair, _)| pair.ratio).fold(1.6, f64::max) * 1.1;
     ui.add_space(4.0);
-    ui.label(RichText::new("Gain of two colours against their albedo ratio").strong());
+    ui.label(RichText::new("Gain of bounce 1 against albedo ratio").strong());
     let plot = Plot::new("gain against ratio")
         .height(HEIGHT)
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)
         .allow_boxed_zoom(false)
-        .x_axis_label("albedo ratio")
-        .y_axis_label("gain of bounce 1")
         .default_x_bounds(0.0, widest)
         .default_y_bounds(0.0, LARGEST_GAIN)
         .auto_bounds(Vec2b::FALSE)

@@ -10,6 +10,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_core::trust::{Rig, Trust, TrustOptions, judge};
 
 use super::Panel;
+use super::part::part;
 use crate::app::document::Document;
 use crate::app::session::Session;
 use crate::app::window::advice;
@@ -39,15 +40,19 @@ impl Panel for Separate {
             indirect: document.settings.shape.options().indirect,
             ..TrustOptions::default()
         };
-        match self.verdict(&document, options, session) {
+        let trust = self.verdict(&document, options, session);
+        match &trust {
             Ok(trust) => {
-                verdict::ui(ui, &trust, &document.set, session);
-                numbers::ui(ui, &trust, &document.set);
+                part(ui, "verdict", |ui| verdict::ui(ui, trust, &document.set, session));
+                part(ui, "numbers", |ui| numbers::ui(ui, trust));
             }
-            Err(line) => advice(ui, &line),
+            Err(line) => advice(ui, line),
         }
-        albedo::ui(ui, &document, session);
-        curve::ui(ui, &document, &options, session);
+        part(ui, "beta", |ui| albedo::ui(ui, &document, session));
+        part(ui, "curve", |ui| curve::ui(ui, &document, &options, session));
+        if let Ok(trust) = &trust {
+            part(ui, "lights", |ui| numbers::lights(ui, trust, &document.set));
+        }
     }
 }
 

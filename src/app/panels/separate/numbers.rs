@@ -2,9 +2,12 @@
 
 use eframe::egui::{CollapsingHeader, Grid, RichText, Ui};
 use firstbounce_capture::CaptureSet;
-use firstbounce_core::trust::{LightTrust, Trust};
+use firstbounce_core::trust::{LightTrust, NO_DIRECTION_DEG, Trust};
 
-pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
+/// In the place of a percentage of it.
+const NEGATIVE: &str = "bounce 1 is negative";
+
+pub fn ui(ui: &mut Ui, trust: &Trust) {
     if trust.lights.is_empty() {
         return;
     }
@@ -18,31 +21,33 @@ pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
             row(ui, &name, &number(gain), "Noise of this bounce for unit noise on every photo");
         }
         let (noise, quiet) = (worst(&|light| light.noise_percent), worst(&|light| light.quiet_noise_percent));
-        let words = format!("{} % of it, {} % quietened", number(noise), number(quiet));
-        row(
-            ui,
-            "Noise of bounce 1",
-            &words,
-            "A pixel of mean light. Quietened: the noise of indirect light averaged away",
-        );
+        let words = |value| percent(value).map_or(NEGATIVE.into(), |percent| format!("{percent} of it"));
+        row(ui, "Noise of bounce 1", &words(noise), "Of a pixel of mean light, as bounce 1 is saved");
+        let averaged =
+            "The same once the noise of indirect light is averaged over a few pixels: normals are made of this";
+        row(ui, "Noise once averaged", &words(quiet), averaged);
         let calibration = worst(&|light| light.calibration_percent);
         row(
             ui,
             "Calibration error",
-            &format!("{} % of bounce 1", number(calibration)),
+            &percent(calibration).map_or(NEGATIVE.into(), |percent| format!("{percent} of bounce 1")),
             "By the intervals of alpha and beta",
         );
         row(ui, "Tail", &tail(trust), "Light of more than m bounces, by the mean light of the colours");
         match &trust.normal {
             Some(normal) => {
-                let words = format!("{:.1}\u{b0} ({:.1}\u{b0} unquietened)", normal.quiet_noise_deg, normal.noise_deg);
+                let words = format!("{} ({} not averaged)", angle(normal.quiet_noise_deg), angle(normal.noise_deg));
                 row(ui, "Normals, by noise", &words, "Root mean square angle at a pixel of mean light");
-                let words = format!("{:.1}\u{b0}", normal.calibration_deg);
+                let words = angle(normal.calibration_deg);
                 row(ui, "Normals, by calibration", &words, "By the intervals of alpha and beta");
             }
             None => row(ui, "Normals", "need three directions", "Three lights of known direction, not in a plane"),
         }
     });
+}
+
+/// The same, light by light.
+pub fn lights(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
     CollapsingHeader::new("Each light").id_salt("each light").show(ui, |ui| each_light(ui, trust, set));
 }
 
@@ -59,7 +64,7 @@ fn each_light(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
         }
         ui.end_row();
         for (light, found) in set.lights.iter().zip(&trust.lights) {
-            let percent = |value: Option<f64>| value.map_or("?".into(), |value| format!("{value:.1} %"));
+            let percent = |value: Option<f64>| value.and_then(percent).unwrap_or_else(|| "none".into());
             ui.label(&light.name);
             ui.label(number(found.gain[0]));
             ui.label(percent(Some(found.noise_percent)));
@@ -76,6 +81,15 @@ fn row(ui: &mut Ui, name: &str, value: &str, what: &str) {
     ui.label(name).on_hover_text(what);
     ui.label(value).on_hover_text(what);
     ui.end_row();
+}
+
+/// A percentage of bounce 1; `None` where bounce 1 is negative.
+fn percent(value: f64) -> Option<String> {
+    value.is_finite().then(|| format!("{} %", number(value)))
+}
+
+fn angle(degrees: f64) -> String {
+    if degrees <= NO_DIRECTION_DEG { format!("{degrees:.1}\u{b0}") } else { "no direction left".into() }
 }
 
 /// Three digits.

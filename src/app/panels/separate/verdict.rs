@@ -6,6 +6,7 @@ use firstbounce_core::trust::{Advice, Level, Names, Trust};
 
 use super::{choose_order, names};
 use crate::app::session::Session;
+use crate::app::theme;
 
 pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet, session: &mut Session) {
     let (colours, lights) = names(set);
@@ -86,13 +87,10 @@ fn sign(level: Level) -> &'static str {
 }
 
 fn colour_of(ui: &Ui, level: Level) -> Color32 {
-    match (level, ui.visuals().dark_mode) {
-        (Level::Fine, true) => Color32::from_rgb(96, 200, 120),
-        (Level::Fine, false) => Color32::from_rgb(16, 110, 44),
-        (Level::TakeCare, true) => Color32::from_rgb(240, 180, 60),
-        (Level::TakeCare, false) => Color32::from_rgb(140, 84, 0),
-        (Level::DoNotTrust, true) => Color32::from_rgb(255, 120, 110),
-        (Level::DoNotTrust, false) => Color32::from_rgb(176, 20, 20),
+    match level {
+        Level::Fine => theme::good(ui.visuals()),
+        Level::TakeCare => ui.visuals().warn_fg_color,
+        Level::DoNotTrust => ui.visuals().error_fg_color,
     }
 }
 

@@ -7,6 +7,7 @@ use firstbounce_core::calibrate::CalibrateError;
 use firstbounce_core::depth::DepthError;
 use firstbounce_core::indirect::IndirectError;
 use firstbounce_core::mesh::MeshError;
+use firstbounce_core::nayar::NayarError;
 use firstbounce_core::normals::NormalsError;
 use firstbounce_core::separate::SeparateError;
 use firstbounce_core::shape::ShapeError;
@@ -129,6 +130,31 @@ pub enum PipelineError {
     /// Shape recovery was asked for something impossible.
     #[error("no shape: {0}")]
     Shape(ShapeError),
+    /// Nayar's method without a scale for the albedo.
+    #[error(
+        "Nayar's method needs the paint's absolute albedo, and nothing scales it: photograph a grey ball and type its \
+         albedo as grey_albedo under [calibration], or type white_light there"
+    )]
+    NoWhiteLight,
+    /// A grey ball of unknown albedo.
+    #[error(
+        "Nayar's method needs the paint's absolute albedo: type the grey ball's albedo (0 to 1, as its maker states it) as \
+         grey_albedo under [calibration], or give --grey-albedo"
+    )]
+    NoGreyAlbedo,
+    /// An albedo or a light of white that cannot be.
+    #[error("{what} is {value}; it must be {expected}")]
+    Scale {
+        /// Which of the two.
+        what: &'static str,
+        /// What was given.
+        value: f64,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// Nayar's method.
+    #[error("Nayar's method: {0}")]
+    Nayar(NayarError),
     /// Triangles.
     #[error("no mesh: {0}")]
     Triangles(#[from] MeshError),
@@ -178,6 +204,16 @@ impl From<IndirectError> for PipelineError {
         match error {
             IndirectError::Cancelled => Self::Cancelled,
             error => Self::Indirect(error),
+        }
+    }
+}
+
+impl From<NayarError> for PipelineError {
+    fn from(error: NayarError) -> Self {
+        match error {
+            NayarError::Cancelled => Self::Cancelled,
+            NayarError::Shape(error) => error.into(),
+            error => Self::Nayar(error),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use firstbounce_core::indirect::{IndirectOptions, IndirectReport, quieten_direct};
 use firstbounce_core::mesh::{MeshOptions, from_depth};
+use firstbounce_core::nayar::NayarOptions;
 use firstbounce_core::normals::{DirectLight, Lamp};
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, SeparateReport, Separation, separate};
 use firstbounce_core::shape::{Shape, ShapeOptions, recover_shape};
@@ -9,10 +10,11 @@ use firstbounce_core::trust::{Trust, TrustOptions};
 use firstbounce_core::{Camera, Mesh, Plane, Projection};
 use nalgebra::{Point3, Vector3};
 
+use super::nayar::solve_by_nayar;
 use super::watch::Part;
 use super::{
-    Calibrated, ObjectLevels, ObjectPhotos, PipelineError, PipelineWatch, Stage, StageCost, calibrate_for, judge,
-    load_object,
+    AlbedoScale, Calibrated, Method, NayarSolved, ObjectLevels, ObjectPhotos, PipelineError, PipelineWatch, Stage,
+    StageCost, calibrate_for, judge, load_object,
 };
 use crate::set::{self, CaptureSet};
 
@@ -27,6 +29,12 @@ pub struct SolveOptions {
     pub shape: ShapeOptions,
     /// Triangles.
     pub mesh: MeshOptions,
+    /// How the light is taken apart.
+    pub method: Method,
+    /// For Nayar's method.
+    pub nayar: NayarOptions,
+    /// For Nayar's method: what makes albedos absolute, before what the set's file gives.
+    pub scale: AlbedoScale,
 }
 
 /// The bounces of every light.
@@ -85,12 +93,26 @@ pub struct Solved {
     pub after: Result<Surfaced, PipelineError>,
     /// The surface from the photos as they are, for comparison; `None` where `after` failed.
     pub before: Option<Surfaced>,
+    /// What Nayar's method tells; `None` where the light was taken apart by colours. Then bounce 1 is the direct light that
+    /// this method found, and `trust` speaks of the photos alone.
+    pub nayar: Option<NayarSolved>,
     /// What each stage cost.
     pub stages: Vec<StageCost>,
 }
 
 /// Runs every stage but the writing of files.
 pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch) -> Result<Solved, PipelineError> {
+    match options.method {
+        Method::Bounces => solve_by_bounces(set, options, watch),
+        Method::Nayar => solve_by_nayar(set, options, watch),
+    }
+}
+
+fn solve_by_bounces(
+    set: &CaptureSet,
+    options: &SolveOptions,
+    watch: &dyn PipelineWatch,
+) -> Result<Solved, PipelineError> {
     let bounces = options.bounces.unwrap_or_else(|| set.bounces());
     let mut stages = Vec::new();
     let object = StageCost::measure(&mut stages, Stage::Load, || load_object(set, watch))?;
@@ -122,7 +144,7 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
         Ok(_) => Some(stage(&raw, 1, &mut stages)?),
         Err(_) => None,
     };
-    Ok(Solved { object, calibrated, separated, trust, direct, after, before, stages })
+    Ok(Solved { object, calibrated, separated, trust, direct, after, before, nayar: None, stages })
 }
 
 /// Separates every light into `bounces` bounces.
@@ -206,20 +228,24 @@ pub fn recover(
     options: &ShapeOptions,
     watch: &dyn firstbounce_core::Watch,
 ) -> Result<Shape, PipelineError> {
-    let lamps = lamps(set, calibrated)?;
-    let direct: Vec<_> = lights
-        .iter()
-        .zip(lamps)
-        .enumerate()
-        .map(|(l, (direct, lamp))| DirectLight {
-            direct: &direct.light,
-            noise: direct.noise.as_ref(),
-            marks: &direct.marks,
-            lamp,
-            intensity: calibrated.intensity[l].value,
-        })
-        .collect();
+    let direct = direct_lights(lights, lamps(set, calibrated)?, calibrated);
     Ok(recover_shape(&direct, &object.mask, camera, options, watch)?)
+}
+
+/// Light and lamps as photometric stereo takes them.
+pub(super) fn direct_lights<'a>(
+    lights: &'a [Direct],
+    lamps: Vec<Lamp>,
+    calibrated: &Calibrated,
+) -> Vec<DirectLight<'a>> {
+    let direct = |(l, (direct, lamp)): (usize, (&'a Direct, Lamp))| DirectLight {
+        direct: &direct.light,
+        noise: direct.noise.as_ref(),
+        marks: &direct.marks,
+        lamp,
+        intensity: calibrated.intensity[l].value,
+    };
+    lights.iter().zip(lamps).enumerate().map(direct).collect()
 }
 
 /// Where each lamp is: its position if the set gives one, else its direction.

@@ -26,6 +26,13 @@ pub fn truth_mesh(set: &CaptureSet) -> Result<Mesh, PipelineError> {
     Ok(from_depth(&depth, &known, &camera, Some(&normals), None, &MeshOptions::default())?.0)
 }
 
+/// The light of a white facet that faces the first lamp, as a rendered set was made with; `None` where nothing tells.
+pub(super) fn true_white_light(set: &CaptureSet) -> Option<f64> {
+    let text = std::fs::read_to_string(set.truth_normals().with_file_name("rig.json")).ok()?;
+    let rig: serde_json::Value = serde_json::from_str(&text).ok()?;
+    rig.get("radiance_to_linear")?.as_f64().filter(|light| *light > 0.0)
+}
+
 /// True normals of pictures of this size.
 pub(super) fn true_normals(path: &Path, size: (usize, usize)) -> Result<NormalMap, PipelineError> {
     if !path.is_file() {

@@ -15,6 +15,8 @@ pub enum Stage {
     Separate,
     /// Bounce 1 to normals and, with near lamps, back again.
     Shape,
+    /// Bounces simulated on the shape and taken away (Nayar's method).
+    Nayar,
     /// Depth to triangles.
     Mesh,
     /// Results to files.
@@ -23,7 +25,8 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 6] = [Self::Load, Self::Calibrate, Self::Separate, Self::Shape, Self::Mesh, Self::Write];
+    pub const ALL: [Self; 7] =
+        [Self::Load, Self::Calibrate, Self::Separate, Self::Shape, Self::Nayar, Self::Mesh, Self::Write];
 
     /// The stage's name in reports.
     pub fn name(self) -> &'static str {
@@ -32,6 +35,7 @@ impl Stage {
             Self::Calibrate => "calibrate",
             Self::Separate => "separate",
             Self::Shape => "shape",
+            Self::Nayar => "nayar",
             Self::Mesh => "mesh",
             Self::Write => "write",
         }

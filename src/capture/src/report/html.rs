@@ -41,6 +41,7 @@ pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String
                 (trust_section(report))
                 h2 { "Captures and bounces" }
                 @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
+                @if let Some(nayar) = &report.nayar { (nayar.section()) }
                 (shape_section(solved, report, pictures)?)
                 h2 { "Calibration" }
                 (calibration_table(report))
@@ -57,14 +58,17 @@ pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String
 
 fn summary(report: &Report) -> String {
     let [width, height] = report.set.size;
+    let how = match &report.nayar {
+        Some(_) => "direct light found by Nayar's method".to_owned(),
+        None => format!("{} bounces separated", report.bounces),
+    };
     format!(
-        "{} lights ({}), {} colours ({}, reference first), {width} x {height} pixels, {} of them object; {} bounces separated.",
+        "{} lights ({}), {} colours ({}, reference first), {width} x {height} pixels, {} of them object; {how}.",
         report.set.lights.len(),
         report.set.lights.join(", "),
         report.set.colours.len(),
         report.set.colours.join(", "),
         report.set.mask_pixels,
-        report.bounces
     )
 }
 
@@ -151,7 +155,7 @@ fn shape_section(solved: &Solved, report: &Report, pictures: Pictures) -> Result
     if let Some(before) = &solved.before {
         add("before: photos as they are", before)?;
     }
-    add("after: bounce 1 alone", after)?;
+    add(if solved.nayar.is_some() { "after: Nayar's method" } else { "after: bounce 1 alone" }, after)?;
     shown.push(("Albedo".into(), pictures.light(&after.shape.normals.albedo).data_address()?));
     Ok(html! {
         h2 { "Shape" }
@@ -232,8 +236,10 @@ fn figure(caption: &str, address: &str) -> Markup {
 }
 
 /// Three significant digits or more, never an exponent for what a person meets daily.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     match value.abs() {
+        // A percentage of a bounce 1 that comes out negative.
+        size if !size.is_finite() => "none".into(),
         0.0 => "0".into(),
         size if size >= 100.0 => format!("{value:.0}"),
         size if size >= 1.0 => format!("{value:.2}"),

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod html;
+mod nayar;
 mod paper;
 mod pictures;
 mod plot;
@@ -10,6 +11,7 @@ mod words;
 
 pub use calibration::{CalibrationWords, Row};
 pub use html::{html, overview};
+pub use nayar::{NayarStepWords, NayarWords};
 pub use paper::{Figure3Words, PUBLISHED, PaperErrorWords, PaperRowWords, PaperWords, PublishedWords, paper_html};
 pub use pictures::{Picture, Pictures};
 pub use trust::{LightTrustWords, NormalTrustWords, ReasonWords, TrustWords};

@@ -5,9 +5,9 @@ use firstbounce_core::separate::SeparateReport;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::{CalibrationWords, TrustWords};
+use super::{CalibrationWords, NayarWords, TrustWords};
 use crate::image_file::GreenAxis;
-use crate::pipeline::{Solved, StageCost, Surfaced};
+use crate::pipeline::{Method, Solved, StageCost, Surfaced};
 use crate::set::CaptureSet;
 
 /// Everything that a run tells.
@@ -19,6 +19,10 @@ pub struct Report {
     pub set: SetWords,
     /// The rig, in the words that `calibrate --json` prints.
     pub calibration: CalibrationWords,
+    /// "bounces" (by colours, Liao et al. 2011) or "nayar" (by simulation, Nayar et al. 1991).
+    pub method: &'static str,
+    /// The iterations of Nayar's method; absent for the other.
+    pub nayar: Option<NayarWords>,
     /// The order m.
     pub bounces: usize,
     /// By light.
@@ -176,7 +180,9 @@ impl Report {
         let names = set.lights.iter().map(|light| light.name.clone());
         let trust = TrustWords::of(set, &solved.trust);
         let of_photos = solved.object.warnings.iter().chain(&solved.calibrated.warnings).cloned();
-        let warnings = of_photos.chain(trust.warnings()).collect();
+        let solved_pixels = shape.as_ref().map_or(0, |shape| shape.solved_pixels);
+        let of_nayar = solved.nayar.iter().flat_map(|nayar| nayar.warnings(solved_pixels));
+        let warnings = of_photos.chain(of_nayar).chain(trust.warnings()).collect();
         Self {
             program: format!("Firstbounce {}", env!("CARGO_PKG_VERSION")),
             set: SetWords {
@@ -188,6 +194,8 @@ impl Report {
                 colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
             },
             calibration: CalibrationWords::of(set, &solved.calibrated),
+            method: if solved.nayar.is_some() { Method::Nayar } else { Method::Bounces }.name(),
+            nayar: solved.nayar.as_ref().map(NayarWords::of),
             bounces: solved.separated.reports.first().map_or(0, |report| report.bounces),
             separation: names.zip(solved.separated.reports.iter().map(LightWords::of)).collect(),
             trust,

@@ -219,6 +219,8 @@ impl Found {
         for (light, intensity) in &calibration.intensity {
             self.number(at, &format!("intensity.{light}"), Rule::Positive, *intensity);
         }
+        self.maybe_number(at, "grey_albedo", Rule::Albedo, calibration.grey_albedo);
+        self.maybe_number(at, "white_light", Rule::Positive, calibration.white_light);
     }
 
     fn truth(&mut self, truth: &Truth) {

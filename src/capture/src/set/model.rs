@@ -227,6 +227,12 @@ pub struct Calibration {
     pub direction: IndexMap<String, [f64; 3]>,
     /// By light: strength in the reference colour, relative to the first light.
     pub intensity: IndexMap<String, f64>,
+    /// Albedo of the grey ball in the reference colour, as its maker states it: with it the ball tells `white_light`.
+    /// Optional in the file.
+    pub grey_albedo: Option<f64>,
+    /// Linear light of a white facet (albedo 1) that faces a lamp of intensity 1 in the reference colour, where it is
+    /// known: what makes the paint's albedo absolute. Optional in the file.
+    pub white_light: Option<f64>,
 }
 
 /// How to separate the bounces.

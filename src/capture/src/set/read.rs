@@ -293,6 +293,8 @@ fn read_calibration(fields: &mut Fields<'_, '_>) -> Calibration {
         alpha: fields.by_light("alpha", "a list of numbers, one per colour", numbers).into_iter().collect(),
         direction: fields.by_light("direction", VECTOR, tuple).into_iter().collect(),
         intensity: fields.by_light("intensity", Rule::Positive.words(), number).into_iter().collect(),
+        grey_albedo: fields.get("grey_albedo", Rule::Albedo.words(), number),
+        white_light: fields.get("white_light", Rule::Positive.words(), number),
     }
 }
 

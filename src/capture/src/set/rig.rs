@@ -90,6 +90,8 @@ impl CaptureSet {
             let relative = strengths.into_iter().filter_map(|(name, strength)| Some((name, strength? / unit)));
             self.calibration.intensity.extend(relative);
         }
+        // The ball stays the same; the light of white depends on this set's exposure.
+        self.calibration.grey_albedo = self.calibration.grey_albedo.or(values.grey_albedo);
         let beta = columns.zip(values.beta.as_ref()).and_then(|(columns, beta)| chosen(beta, &columns));
         if let Some(beta) = beta.filter(|_| same_paint && !carried.lights.is_empty()) {
             self.calibration.beta = Some(beta);
@@ -138,6 +140,8 @@ mod tests {
             alpha: [("left".into(), vec![1.0, 2.0, 4.0]), ("top".into(), vec![1.0, 3.0, 5.0])].into(),
             direction: [("left".into(), [0.0, 0.6, 0.8]), ("top".into(), [0.6, 0.0, 0.8])].into(),
             intensity: [("left".into(), 1.0), ("top".into(), 1.5)].into(),
+            grey_albedo: Some(0.5),
+            white_light: None,
         };
         (set(&["left", "top"], &["blue", "green", "red"]), values)
     }

@@ -6,6 +6,7 @@ pub(super) enum Rule {
     Finite,
     Positive,
     NotNegative,
+    Albedo,
 }
 
 impl Rule {
@@ -15,6 +16,7 @@ impl Rule {
                 Self::Finite => true,
                 Self::Positive => number > 0.0,
                 Self::NotNegative => number >= 0.0,
+                Self::Albedo => number > 0.0 && number <= 1.0,
             }
     }
 
@@ -23,6 +25,7 @@ impl Rule {
             Self::Finite => "a number",
             Self::Positive => "a positive number",
             Self::NotNegative => "a number that is not negative",
+            Self::Albedo => "an albedo above 0 and at most 1",
         }
     }
 }

@@ -103,6 +103,8 @@ fn merge_calibration(old: &mut Calibration, measured: &Calibration) {
         let intensity = rounded(old.intensity.get(light), *intensity);
         old.intensity.insert(light.clone(), intensity);
     }
+    old.grey_albedo = measured.grey_albedo.or(old.grey_albedo);
+    old.white_light = measured.white_light.or(old.white_light);
 }
 
 /// `new` to six digits; `old` as it is if it says the same to those digits: a typed value is not reworded.
@@ -220,6 +222,8 @@ fn write_sphere(table: &mut Table, sphere: &Sphere) {
 
 fn write_calibration_table(table: &mut Table, calibration: &Calibration) {
     put_or_remove(table, "beta", calibration.beta.as_ref().map(|beta| list(beta.iter().copied())));
+    put_or_remove(table, "grey_albedo", calibration.grey_albedo);
+    put_or_remove(table, "white_light", calibration.white_light);
     edit_subtable(table, "alpha", by_light(&calibration.alpha, |alpha| list(alpha.iter().copied())));
     edit_subtable(table, "direction", by_light(&calibration.direction, |direction| list(*direction)));
     edit_subtable(table, "intensity", by_light(&calibration.intensity, |intensity| Value::from(*intensity)));

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use crate::Mesh;
 
 /// For each vertex, the first vertex in the same cell of a grid that has about `wanted` cells on the surface.
-pub(super) fn first_in_cell(mesh: &Mesh, wanted: usize) -> Vec<u32> {
+pub(crate) fn first_in_cell(mesh: &Mesh, wanted: usize) -> Vec<u32> {
     let area = |corners: &[u32; 3]| {
         let [p, q, r] = corners.map(|corner| mesh.positions[corner as usize].cast::<f64>());
         (q - p).cross(&(r - p)).norm() / 2.0

@@ -17,7 +17,9 @@ mod pairs;
 mod rigid;
 mod surface;
 #[cfg(test)]
-mod test_meshes;
+pub(crate) mod test_meshes;
+
+pub(crate) use cells::first_in_cell;
 
 pub use align::{Alignment, Iteration, align};
 pub use distances::{Comparison, DistanceOptions, distances};

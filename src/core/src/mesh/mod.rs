@@ -1,10 +1,16 @@
 //! A triangle mesh: what the depth becomes, what a scan is read into, what every mesh file is written from.
 
+mod coarse;
 mod from_depth;
+mod ray;
+mod section;
 
 use nalgebra::{Point3, Vector3};
 
+pub use coarse::Coarse;
 pub use from_depth::{MeshError, MeshOptions, MeshReport, from_depth};
+pub use ray::Pickable;
+pub use section::section;
 
 /// The unit of a mesh's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,14 +7,14 @@ use crate::radiosity::{Patch, Patches};
 
 /// A radiosity over one patch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Linear {
+pub(crate) struct Linear {
     at_centre: f32,
     gradient: Vector3<f32>,
 }
 
 impl Linear {
     /// The value at an offset from the patch's centre.
-    pub(super) fn at(&self, offset: &Vector3<f32>) -> f32 {
+    pub(crate) fn at(&self, offset: &Vector3<f32>) -> f32 {
         self.at_centre + self.gradient.dot(offset)
     }
 
@@ -29,7 +29,7 @@ impl Linear {
 
 /// For each patch, each channel (a mean for each patch) as a linear function. The value at a corner is the mean of what
 /// the patches around it extrapolate to it, each with the gradient its neighbours suggest.
-pub(super) fn linear_over_patches(patches: &Patches, channels: &[&[f64]]) -> Vec<Vec<Linear>> {
+pub(crate) fn linear_over_patches(patches: &Patches, channels: &[&[f64]]) -> Vec<Vec<Linear>> {
     let all = patches.as_slice();
     let around = patches.around_corners();
     let gradients: Vec<Vec<Vector3<f64>>> =

@@ -16,6 +16,7 @@ use thiserror::Error;
 use crate::{Camera, radiosity::RadiosityError};
 
 pub use lamp::{Lamp, irradiances};
+pub(crate) use linear::{Linear, linear_over_patches};
 pub use refine::refined;
 pub use render::{LitPlanes, RenderOptions, RenderReport, Rendering, render, seen_at};
 pub use shape::Shape;

@@ -70,9 +70,9 @@ impl Advice {
     pub fn words(&self, names: &Names) -> String {
         match self {
             Self::Order { bounces, instead, percent, instead_percent } => format!(
-                "m = {bounces} instead of {instead}: bounce 1 to about {} % instead of {} %",
+                "m = {bounces} instead of {instead}: bounce 1 to about {} % instead of {}",
                 rounded(*percent),
-                rounded(*instead_percent)
+                error_words(*instead_percent)
             ),
             Self::LeaveOut { colour, gain } => {
                 format!("leave out {}: gain {} without it", names.colour(*colour), rounded(*gain))
@@ -92,13 +92,18 @@ impl Advice {
             ),
             Self::AnotherColour { ratio, bounces, percent, instead_percent } => format!(
                 "one more colour, in which the paint has {ratio:.2} of its albedo in {}, and m = {bounces}: bounce 1 to \
-                 about {} % instead of {} %",
+                 about {} % instead of {}",
                 names.colour(0),
                 rounded(*percent),
-                rounded(*instead_percent)
+                error_words(*instead_percent)
             ),
         }
     }
+}
+
+/// A percentage, or that there is no bounce 1 to take it of.
+fn error_words(percent: f64) -> String {
+    if percent.is_finite() { format!("{} %", rounded(percent)) } else { "no bounce 1 at all".into() }
 }
 
 /// All advice on a verdict.

@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 pub use advice::Advice;
 pub use options::{TrustOptions, TwoLimits};
 pub use pair::{ColourPair, gain_of_ratio, pairs};
-pub use reason::{Names, Reason};
+pub use reason::{NO_DIRECTION_DEG, Names, Reason};
 
 use crate::indirect::quiet_noise;
 use crate::interval::Estimate;
@@ -83,7 +83,7 @@ pub struct LightTrust {
     pub gain: Vec<f64>,
     /// Of the matrix beta_c^k.
     pub condition_number: f64,
-    /// Expected noise of a pixel of bounce 1.
+    /// Expected noise of a pixel of bounce 1; infinite, as all percentages, where bounce 1 comes out negative.
     pub noise_percent: f64,
     /// The same once the noise of indirect light is averaged away ([`crate::indirect`]).
     pub quiet_noise_percent: f64,

@@ -8,6 +8,8 @@ use crate::separate::{BounceSystem, closest_pair};
 const DARK_BETA: f64 = 0.3;
 /// A mean that contradicts the law of the tail by less than this may be noise.
 const LEAST_CONTRADICTION: f64 = 0.05;
+/// Root mean square angles beyond this are no angles of normals that face the camera.
+pub const NO_DIRECTION_DEG: f64 = 60.0;
 
 /// What the colours and lights of a set are called.
 #[derive(Clone, Copy, Debug)]
@@ -130,9 +132,15 @@ impl Reason {
                 format!("under light {} bounce 1 comes out negative: alpha or beta is wrong", names.light(*light))
             }
             Self::Gain { gain, bounces, closest, beta } => gain_words(*gain, *bounces, *closest, *beta, names),
+            Self::NormalNoise { degrees } if *degrees > NO_DIRECTION_DEG => {
+                "noise leaves normals without a direction".into()
+            }
             Self::NormalNoise { degrees } => format!("noise turns normals by about {degrees:.1} degrees"),
             Self::LightNoise { percent, light } => {
                 format!("under light {} the noise of bounce 1 is {percent:.0} % of it", names.light(*light))
+            }
+            Self::CalibrationBend { degrees } if *degrees > NO_DIRECTION_DEG => {
+                "the intervals of alpha and beta leave normals without a direction".into()
             }
             Self::CalibrationBend { degrees } => {
                 format!("the intervals of alpha and beta leave normals uncertain by {degrees:.1} degrees")
@@ -227,9 +235,8 @@ pub(super) fn reasons(
     let worst = |value: &dyn Fn(&LightTrust) -> f64| {
         (0..lights.len()).max_by(|a, b| value(&lights[*a]).total_cmp(&value(&lights[*b])))
     };
-    if let Some(light) = lights.iter().position(|light| light.bounces[0] <= 0.0) {
-        found.push(Found::hopeless(Reason::Negative { light }));
-    }
+    let negative = lights.iter().position(|light| light.bounces[0] <= 0.0);
+    found.extend(negative.map(|light| Found::hopeless(Reason::Negative { light })));
     found.extend(worst(&|light| light.gain[0]).and_then(|l| gain_reason(rig, lights[l].gain[0], options)));
     if let Some(normal) = normal {
         let noise = normal.quiet_noise_deg;
@@ -237,11 +244,15 @@ pub(super) fn reasons(
         let bend = normal.calibration_deg;
         found.push(options.normal_deg.judged(bend, Reason::CalibrationBend { degrees: bend }));
     }
-    if let Some(light) = worst(&|light| light.noise_percent) {
-        let percent = lights[light].noise_percent;
-        found.push(options.light_percent.judged(percent, Reason::LightNoise { percent, light }));
+    // There are no percents of a bounce 1 that is not there.
+    if negative.is_none() {
+        if let Some(light) = worst(&|light| light.noise_percent) {
+            let percent = lights[light].noise_percent;
+            found.push(options.light_percent.judged(percent, Reason::LightNoise { percent, light }));
+        }
+        let calibration = worst(&|light| light.calibration_percent);
+        found.extend(calibration.and_then(|l| calibration_reason(rig, lights, l, options)));
     }
-    found.extend(worst(&|light| light.calibration_percent).and_then(|l| calibration_reason(rig, lights, l, options)));
     found.extend(tail_reason(lights, options));
     if rig.beta.len() == 1 {
         found.push(Found { level: Level::TakeCare, excess: 1.0, reason: Reason::OneColour });

@@ -210,3 +210,24 @@ proptest! {
         }
     }
 }
+
+/// Too little light in the darker colour for its alpha: two bounces then leave nothing, or less, for bounce 1.
+#[test]
+fn a_negative_bounce_1_is_told_in_words_and_no_percentage_of_it() {
+    let mut negative = rig(&[1.0, 0.5], 0.1, 1e-3);
+    negative.lights.iter_mut().for_each(|light| light.mean[1] = 0.2 * light.mean[1]);
+    let trust = judge(&negative, &of_order(2)).unwrap();
+    assert_eq!(trust.level, Level::DoNotTrust);
+    let words = said(&trust);
+    assert!(words.contains("bounce 1 comes out negative"), "{words}");
+    assert!(!words.contains("inf") && !words.contains("NaN"), "{words}");
+}
+
+#[test]
+fn colours_of_one_albedo_are_compared_with_no_result_in_words() {
+    let trust = judge(&rig(&[1.0, 1.0], 0.1, 1e-3), &of_order(2)).unwrap();
+    let (colours, lights) = names();
+    let names = Names { colours: &colours, lights: &lights };
+    let words: String = trust.advice.iter().map(|advice| advice.words(&names)).collect();
+    assert!(!words.contains("inf") && !words.contains("NaN"), "{words}");
+}

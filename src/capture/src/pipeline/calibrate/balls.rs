@@ -1,19 +1,81 @@
 //! The balls of a set: their photos and their circles.
 
+use std::sync::Arc;
+
 use firstbounce_core::ball::{Ball, Circle, CircleOptions, View, find_circle};
 use firstbounce_core::{Photo, Plane};
+use indexmap::IndexMap;
 
 use super::super::{PipelineError, PipelineWatch, SubjectPhotos, load_subject};
-use super::BallCircle;
+use super::{BallCircle, Preference};
 use crate::set::{self, CaptureSet, Projection, Sphere, SphereKind, Subject};
 
 /// Standard deviation of a circle that the file gives, in pixels: the program wrote it, or a person snapped it to the edge.
 const GIVEN_CIRCLE_SD_PX: f64 = 0.1;
 
+/// The photos of a set's balls in linear light. Who calibrates again and again, with another circle or another typed value,
+/// keeps them: every file is read once.
+#[derive(Clone, Debug, Default)]
+pub struct BallPhotos {
+    by_subject: IndexMap<Subject, Arc<SubjectPhotos>>,
+}
+
+impl BallPhotos {
+    /// Puts in the photos of a subject that were read already.
+    pub fn put(&mut self, subject: Subject, photos: Arc<SubjectPhotos>) {
+        self.by_subject.insert(subject, photos);
+    }
+
+    /// The photos of a subject, if they were read.
+    pub fn of(&self, subject: Subject) -> Option<&Arc<SubjectPhotos>> {
+        self.by_subject.get(&subject)
+    }
+
+    /// Reads what a calibration needs and is not here yet.
+    pub fn load_missing(
+        &mut self,
+        set: &CaptureSet,
+        preference: Preference,
+        watch: &dyn PipelineWatch,
+    ) -> Result<(), PipelineError> {
+        for kind in needed(set, preference) {
+            let Some(subject) = subject_with(set, kind).filter(|subject| !self.by_subject.contains_key(subject)) else {
+                continue;
+            };
+            self.put(subject, Arc::new(load_subject(set, subject, watch)?));
+        }
+        Ok(())
+    }
+}
+
+/// The balls that have to be looked at: all, or those whose values the file does not give.
+pub(super) fn needed(set: &CaptureSet, preference: Preference) -> Vec<SphereKind> {
+    let given = &set.calibration;
+    let all = |known: &dyn Fn(&str) -> bool| set.lights.iter().all(|light| known(&light.name));
+    let balls_only = preference == Preference::Balls;
+    let alpha = balls_only || set.colours.len() > 1 && !all(&|light| given.alpha.contains_key(light));
+    let direction = balls_only || !all(&|light| set.given_direction(light).is_some());
+    let intensity = balls_only || !all(&|light| given.intensity.contains_key(light));
+    let beta = balls_only || set.colours.len() > 1 && given.beta.is_none();
+    let balls = [
+        (alpha || direction || intensity, SphereKind::Grey),
+        (beta, SphereKind::Material),
+        (direction, SphereKind::Mirror),
+    ];
+    balls.into_iter().filter(|(needed, _)| *needed).map(|(_, kind)| kind).collect()
+}
+
+/// Where a ball is seen: in shots of its own, or in the object's scene; `None` where the set has none.
+fn subject_with(set: &CaptureSet, kind: SphereKind) -> Option<Subject> {
+    let own = subject_of(kind);
+    let alone = set.shots_of(own).next().is_some().then_some(own);
+    alone.or_else(|| set.circle(Subject::Object, kind).map(|_| Subject::Object))
+}
+
 /// A ball, its photos and its circle.
 pub(super) struct BallShots {
     pub kind: SphereKind,
-    photos: SubjectPhotos,
+    photos: Arc<SubjectPhotos>,
     pub ball: Ball,
     pub circle_sd_px: f64,
     pub circle: BallCircle,
@@ -22,17 +84,10 @@ pub(super) struct BallShots {
 }
 
 impl BallShots {
-    /// The ball of this kind, in shots of its own or in the object's scene; `None` where the set has none.
-    pub fn load(set: &CaptureSet, kind: SphereKind, watch: &dyn PipelineWatch) -> Result<Option<Self>, PipelineError> {
-        let subject = subject_of(kind);
-        let subject = if set.shots_of(subject).next().is_some() {
-            subject
-        } else if set.circle(Subject::Object, kind).is_some() {
-            Subject::Object
-        } else {
-            return Ok(None);
-        };
-        let photos = load_subject(set, subject, watch)?;
+    /// The ball of this kind among the photos that were read; `None` where the set has none.
+    pub fn among(photos: &BallPhotos, set: &CaptureSet, kind: SphereKind) -> Result<Option<Self>, PipelineError> {
+        let ball = subject_with(set, kind).and_then(|subject| Some((subject, photos.of(subject)?.clone())));
+        let Some((subject, photos)) = ball else { return Ok(None) };
         let size = photos.all().next().map_or((0, 0), |photo| photo.linear.size());
         let circle = match set.circle(subject, kind) {
             Some(circle) => BallCircle { sphere: Sphere { subject, kind, circle }, found: None },

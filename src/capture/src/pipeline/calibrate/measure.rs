@@ -8,8 +8,8 @@ use firstbounce_core::interval::Estimate;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::super::{PipelineError, PipelineWatch, Stage};
-use super::balls::BallShots;
+use super::super::PipelineError;
+use super::balls::{BallPhotos, BallShots, needed};
 use super::direction::{MeasuredDirection, measure_direction};
 use super::{Calibrated, Known, Preference, RatioEvidence, Source};
 use crate::set::{CaptureSet, SphereKind};
@@ -28,24 +28,12 @@ pub(super) struct Measuring<'a> {
 }
 
 impl<'a> Measuring<'a> {
-    /// Loads the balls that will be looked at.
-    pub fn new(
-        set: &'a CaptureSet,
-        preference: Preference,
-        watch: &'a dyn PipelineWatch,
-    ) -> Result<Self, PipelineError> {
-        let given = &set.calibration;
-        let all = |known: &dyn Fn(&str) -> bool| set.lights.iter().all(|light| known(&light.name));
-        let balls_only = preference == Preference::Balls;
-        let alpha = balls_only || set.colours.len() > 1 && !all(&|light| given.alpha.contains_key(light));
-        let direction = balls_only || !all(&|light| set.given_direction(light).is_some());
-        let intensity = balls_only || !all(&|light| given.intensity.contains_key(light));
-        let beta = balls_only || set.colours.len() > 1 && given.beta.is_none();
-        let load = |needed: bool, kind| if needed { BallShots::load(set, kind, watch) } else { Ok(None) };
-        let grey = load(alpha || direction || intensity, SphereKind::Grey)?;
-        let material = load(beta, SphereKind::Material)?;
-        let mirror = load(direction, SphereKind::Mirror)?;
-        watch.progress(Stage::Calibrate, 0.5);
+    /// Takes the balls that will be looked at.
+    pub fn new(set: &'a CaptureSet, preference: Preference, photos: &BallPhotos) -> Result<Self, PipelineError> {
+        let needed = needed(set, preference);
+        let ball = |kind| if needed.contains(&kind) { BallShots::among(photos, set, kind) } else { Ok(None) };
+        let (grey, material, mirror) =
+            (ball(SphereKind::Grey)?, ball(SphereKind::Material)?, ball(SphereKind::Mirror)?);
 
         let mut calibrated = Calibrated::default();
         for ball in [&grey, &material, &mirror].into_iter().flatten() {
@@ -181,6 +169,7 @@ impl<'a> Measuring<'a> {
             .into_par_iter()
             .map(|l| self.strength(l, directions[l].half_angle_deg))
             .collect::<Result<Option<Vec<StrengthReport>>, PipelineError>>()?;
+        let first_strength = strengths.as_ref().and_then(|strengths| strengths.first()).map(|first| first.strength);
         let measured: Option<Vec<_>> = strengths.map(|strengths| {
             let relative = relative_intensities(&strengths.iter().collect::<Vec<_>>());
             let known = relative.into_iter().zip(strengths);
@@ -196,6 +185,9 @@ impl<'a> Measuring<'a> {
             });
             self.calibrated.intensity.push(intensity);
         }
+        let first_intensity = self.calibrated.intensity.first().map(|known| known.value);
+        self.calibrated.grey_light =
+            first_strength.zip(first_intensity).map(|(strength, intensity)| strength / intensity);
         if !assumed.is_empty() {
             self.calibrated.warnings.push(format!(
                 "no grey ball tells the intensity of {}: taken as 1, which bends the normals if these lamps are not equally strong",

@@ -9,9 +9,10 @@ use firstbounce_core::ball::CircleReport;
 use firstbounce_core::calibrate::{BallPixels, Highlight, HighlightReport, RatioReport};
 use firstbounce_core::interval::Estimate;
 
-use super::{PipelineError, PipelineWatch};
+use super::{PipelineError, PipelineWatch, Stage};
 use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
 
+pub use balls::BallPhotos;
 pub use verdict::Verdict;
 
 /// Where a value comes from.
@@ -65,7 +66,7 @@ pub struct Known<T> {
 }
 
 impl<T> Known<T> {
-    fn from_file(value: T) -> Self {
+    pub(super) fn from_file(value: T) -> Self {
         Self { value, interval: None, source: Source::File, pixels: None }
     }
 }
@@ -119,6 +120,9 @@ pub struct Calibrated {
     pub beta: Option<Vec<Known<f64>>>,
     /// By light: strength in the reference colour relative to the first light.
     pub intensity: Vec<Known<f64>>,
+    /// Linear light of the grey ball's paint square to a lamp of intensity 1, in the reference colour; `None` where the
+    /// ball was not looked at for intensities.
+    pub grey_light: Option<f64>,
     /// By light: unit vector from the object to the light. `None` where nothing tells.
     pub direction: Vec<Option<Known<[f64; 3]>>>,
     /// By light: the bright spots on the mirror ball, the chosen one first; `None` where there is no mirror ball.
@@ -158,6 +162,8 @@ impl Calibrated {
                 .filter_map(|(light, known)| Some((light.name.clone(), known.as_ref()?.value)))
                 .collect(),
             intensity: lights().zip(&self.intensity).map(|(l, known)| (l.name.clone(), known.value)).collect(),
+            grey_albedo: set.calibration.grey_albedo,
+            white_light: set.calibration.white_light,
         }
     }
 
@@ -210,7 +216,19 @@ pub fn calibrate(
     preference: Preference,
     watch: &dyn PipelineWatch,
 ) -> Result<Calibrated, PipelineError> {
-    measure::Measuring::new(set, preference, watch)?.run()
+    let mut photos = BallPhotos::default();
+    photos.load_missing(set, preference, watch)?;
+    watch.progress(Stage::Calibrate, 0.5);
+    calibrate_on(set, preference, &photos)
+}
+
+/// The same on photos of the balls that were read before.
+pub fn calibrate_on(
+    set: &CaptureSet,
+    preference: Preference,
+    photos: &BallPhotos,
+) -> Result<Calibrated, PipelineError> {
+    measure::Measuring::new(set, preference, photos)?.run()
 }
 
 /// Calibrates a set for the separation of `bounces` bounces, and makes sure that its colours can tell them apart.

@@ -86,8 +86,17 @@ fn by_light<T: std::fmt::Debug>(value: impl Strategy<Value = T>) -> impl Strateg
 
 fn calibration() -> impl Strategy<Value = Calibration> {
     let numbers = || vec(number(), 0..3);
-    (option::of(numbers()), by_light(numbers()), by_light(vector()), by_light(number()))
-        .prop_map(|(beta, alpha, direction, intensity)| Calibration { beta, alpha, direction, intensity })
+    let scale = (option::of(number()), option::of(number()));
+    (option::of(numbers()), by_light(numbers()), by_light(vector()), by_light(number()), scale).prop_map(
+        |(beta, alpha, direction, intensity, (grey_albedo, white_light))| Calibration {
+            beta,
+            alpha,
+            direction,
+            intensity,
+            grey_albedo,
+            white_light,
+        },
+    )
 }
 
 /// Any set at all, right or wrong.

@@ -12,6 +12,7 @@ fn measured() -> Calibration {
         alpha: [("left".into(), vec![1.0, 3.200_000_04]), ("top right".into(), vec![1.0, 3.428_571_428])].into(),
         direction: [("top right".into(), [0.038_588_400_864, 0.260_471_705, 0.964_710_021])].into(),
         intensity: [("left".into(), 1.0), ("top right".into(), 1.050_000_2)].into(),
+        ..Calibration::default()
     }
 }
 

@@ -1,0 +1,181 @@
+//! How a 3D view shows the surfaces: what a person chose, kept with the arrangement of views.
+
+use serde::{Deserialize, Serialize};
+
+use crate::gpu::mesh::{Ball, Camera, Lens, StandardView};
+
+/// A surface that can be shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum LayerName {
+    /// From bounce 1.
+    After,
+    /// From the photos as they are.
+    Before,
+    /// A scan of the same object.
+    Reference,
+}
+
+impl LayerName {
+    /// All, in the order of the list.
+    pub const ALL: [Self; 3] = [Self::After, Self::Before, Self::Reference];
+
+    /// What it is called.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::After => "Bounce 1",
+            Self::Before => "Raw photos",
+            Self::Reference => "Reference",
+        }
+    }
+}
+
+/// How colours come to a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Shade {
+    /// A studio that turns with the eye: shows form best.
+    #[default]
+    Matcap,
+    /// Lit from the eye.
+    Headlight,
+    /// Lit by one of the capture's lamps, as in its photo.
+    Lamp,
+    /// The normal as colour.
+    Normals,
+    /// The paint alone.
+    Albedo,
+    /// z through a colour map.
+    Height,
+    /// How far from the reference.
+    Distance,
+}
+
+impl Shade {
+    /// All, in the order of a menu.
+    pub const ALL: [Self; 7] =
+        [Self::Matcap, Self::Headlight, Self::Lamp, Self::Normals, Self::Albedo, Self::Height, Self::Distance];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Matcap => "Studio",
+            Self::Headlight => "Lit from the eye",
+            Self::Lamp => "Lit by a lamp",
+            Self::Normals => "Normals as colour",
+            Self::Albedo => "Albedo",
+            Self::Height => "Height",
+            Self::Distance => "Distance to the reference",
+        }
+    }
+}
+
+/// When layers wear their own colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LayerColours {
+    /// When more than one is seen: alone a surface is plaster.
+    #[default]
+    Several,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// One layer's share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayerLook {
+    /// Whether it is seen.
+    pub visible: bool,
+    /// Whether it is lit; otherwise it is its colour everywhere.
+    pub shaded: bool,
+    /// Its own colour, sRGB.
+    pub colour: [u8; 3],
+}
+
+/// How a 3D view shows the surfaces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SurfaceLook {
+    /// How colours come to the surfaces.
+    pub shade: Shade,
+    /// The lamp of [`Shade::Lamp`], by its light's name; the first where that is gone.
+    pub lamp: Option<String>,
+    /// The distance at the ends of the heat map in mm; `None` for that which 95 % stay below.
+    pub distance_mm: Option<f32>,
+    /// Whether edges are drawn.
+    pub wireframe: bool,
+    /// Bounce 1: green, as in the paper's figures.
+    pub after: LayerLook,
+    /// Raw photos: cyan.
+    pub before: LayerLook,
+    /// The scan: red.
+    pub reference: LayerLook,
+    /// When the layers wear these colours.
+    pub colours: LayerColours,
+    /// How distance shows.
+    pub lens: Lens,
+    /// The eye; `None` for everything in sight from the front and the right.
+    pub camera: Option<Camera>,
+    /// Whether the object turns by itself.
+    #[serde(skip)]
+    pub turntable: bool,
+}
+
+impl Default for SurfaceLook {
+    fn default() -> Self {
+        let layer = |visible, colour| LayerLook { visible, shaded: true, colour };
+        Self {
+            shade: Shade::default(),
+            lamp: None,
+            distance_mm: None,
+            wireframe: false,
+            after: layer(true, [112, 196, 112]),
+            before: layer(false, [84, 196, 214]),
+            reference: layer(true, [222, 98, 88]),
+            colours: LayerColours::default(),
+            lens: Lens::default(),
+            camera: None,
+            turntable: false,
+        }
+    }
+}
+
+impl SurfaceLook {
+    /// A layer's share.
+    pub fn layer(&self, name: LayerName) -> &LayerLook {
+        match name {
+            LayerName::After => &self.after,
+            LayerName::Before => &self.before,
+            LayerName::Reference => &self.reference,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn layer_mut(&mut self, name: LayerName) -> &mut LayerLook {
+        match name {
+            LayerName::After => &mut self.after,
+            LayerName::Before => &mut self.before,
+            LayerName::Reference => &mut self.reference,
+        }
+    }
+
+    /// The eye in force for what is in the ball.
+    pub fn camera(&self, ball: &Ball, aspect: f64) -> Camera {
+        match self.camera {
+            Some(camera) => Camera { lens: self.lens, ..camera },
+            None => Camera::fitted(ball, StandardView::Corner, self.lens, aspect),
+        }
+    }
+
+    /// Perspective becomes orthographic and the other way round.
+    pub fn other_lens(&mut self) {
+        self.lens = match self.lens {
+            Lens::Perspective => Lens::Orthographic,
+            Lens::Orthographic => Lens::Perspective,
+        };
+    }
+
+    /// Takes the eye to a named side, everything in sight.
+    pub fn stand(&mut self, view: StandardView, ball: &Ball, aspect: f64) {
+        self.camera = Some(Camera::fitted(ball, view, self.lens, aspect));
+    }
+}

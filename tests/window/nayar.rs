@@ -1,0 +1,101 @@
+//! The other method in the Shape step, off until it is asked for.
+
+use eframe::egui::{Key, Modifiers, Role};
+use egui_kittest::kittest::Queryable;
+use firstbounce::app::panels::PanelName;
+use firstbounce::app::results::{StageState, Step, When};
+use firstbounce::app::views::{Shown, entries, picture};
+use firstbounce_capture::CaptureSet;
+use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Unattended, solve};
+use firstbounce_core::nayar::NayarOptions;
+
+use crate::harness::Hands;
+
+const PATCHES: usize = 300;
+const ITERATIONS: usize = 3;
+const TICK: &str = "Also solve by Nayar's method";
+
+fn at_shape() -> Hands {
+    let mut hands = Hands::with_demo();
+    hands.rest();
+    hands.press(Modifiers::COMMAND, Key::Num4);
+    assert_eq!(hands.session().panel, PanelName::Shape);
+    hands
+}
+
+fn tick(hands: &mut Hands) {
+    hands.harness.get_by_role_and_label(Role::CheckBox, TICK).click();
+    hands.steps();
+}
+
+fn offered(hands: &mut Hands) -> bool {
+    let document = hands.session().document();
+    entries(&document).iter().flat_map(|(_, entries)| entries).any(Shown::is_by_nayar)
+}
+
+fn state(hands: &mut Hands) -> StageState {
+    let document = hands.session().document();
+    hands.session().results.state(Step::Nayar, &document)
+}
+
+#[test]
+fn nayars_method_is_asked_for_compared_and_undone() {
+    let mut hands = at_shape();
+    assert!(!offered(&mut hands) && !hands.sees("Albedo of the grey ball"));
+    tick(&mut hands);
+    hands.type_number("Patches", &PATCHES.to_string());
+    hands.type_number("Most iterations", &ITERATIONS.to_string());
+    hands.rest();
+    // The demo's file does not tell how bright its grey ball is.
+    assert!(hands.sees("type the grey ball's albedo"), "{:?}", state(&mut hands));
+    hands.type_number("Albedo of the grey ball", "0.6");
+    assert_eq!(hands.session().document().set.calibration.grey_albedo, Some(0.6));
+    hands.rest();
+    assert_eq!(state(&mut hands), StageState::Ready);
+    assert!(hands.sees("Convergence of Nayar's method. Normals turned, degrees: iteration 1: "));
+    assert!(offered(&mut hands));
+
+    // What the window shows is what the command line computes.
+    let set = CaptureSet::open(hands.session().document().set.folder.clone()).unwrap();
+    let options = SolveOptions {
+        method: Method::Nayar,
+        nayar: NayarOptions { patches: PATCHES, max_iterations: ITERATIONS, ..NayarOptions::default() },
+        scale: AlbedoScale { grey_albedo: Some(0.6), ..AlbedoScale::default() },
+        ..SolveOptions::default()
+    };
+    let solved = solve(&set, &options, &Unattended).unwrap();
+    let found = hands.session().results.by_nayar().unwrap();
+    assert_eq!(found.report, solved.nayar.unwrap().report);
+    assert_eq!(found.shape.normals.map, solved.after.unwrap().shape.normals.map);
+
+    // Its pictures compare with those of bounce 1.
+    hands.click_button("Show normals by Nayar's method");
+    hands.click_button("Show direct light by Nayar's method, left minus Bounce 1 with less noise, left");
+    let document = hands.session().document();
+    let by_both = Shown::Difference(Box::new(Shown::Albedo(When::Nayar)), Box::new(Shown::Albedo(When::After)));
+    assert!(picture(&by_both, &document, &hands.session().results).is_ok());
+
+    // Untouched by it, and gone with it.
+    hands.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(hands.session().document().set.calibration.grey_albedo, None);
+    tick(&mut hands);
+    assert!(!offered(&mut hands) && !hands.sees("Convergence of Nayar's method"));
+    let document = hands.session().document();
+    let why = picture(&Shown::Normals(When::Nayar), &document, &hands.session().results).unwrap_err();
+    assert!(why.contains(TICK), "{why}");
+}
+
+#[test]
+fn the_truth_judges_both_methods_after_every_iteration() {
+    let mut hands = at_shape();
+    hands.session().edit("Ask for Nayar's method", |document| {
+        document.settings.nayar.compute = true;
+        document.settings.nayar.patches = PATCHES;
+        document.settings.nayar.max_iterations = ITERATIONS;
+        document.set.calibration.grey_albedo = Some(0.6);
+    });
+    hands.rest();
+    hands.click_button("Compare with the truth");
+    hands.wait_to_see("Normal error by Nayar's method, mean");
+    assert!(hands.sees("Normal error, degrees: iteration 0: 15."));
+}
