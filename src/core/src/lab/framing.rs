@@ -36,8 +36,13 @@ pub fn directions_on_ring(count: usize, tilt_deg: f64) -> Vec<Unit<Vector3<f64>>
     (0..count).map(direction).collect()
 }
 
-/// The surface moved along x and y to the middle of a picture of `size_px` pixels square that it fills.
-pub fn framed(mut mesh: Mesh, lens: Lens, size_px: usize) -> Result<(Mesh, Camera), LabError> {
+/// The surface moved along x and y to the middle of an orthographic picture of `size_px` pixels square that it fills.
+pub fn framed(mesh: Mesh, size_px: usize) -> Result<(Mesh, Camera), LabError> {
+    framed_through(mesh, Lens::Orthographic, size_px)
+}
+
+/// The same through any lens.
+pub fn framed_through(mut mesh: Mesh, lens: Lens, size_px: usize) -> Result<(Mesh, Camera), LabError> {
     let (low, high) = mesh.bounds().ok_or(LabError::NothingToSee)?;
     let middle = nalgebra::center(&low, &high);
     for position in &mut mesh.positions {

@@ -15,7 +15,7 @@ use crate::{
 };
 use nalgebra::{Unit, Vector3};
 
-use super::{LabError, Lens, Sensor, directions_on_ring, framed};
+use super::{LabError, Sensor, directions_on_ring, framed};
 
 /// How finely the scenes are rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -172,7 +172,7 @@ enum Bounced {
 
 impl Experiment {
     fn render(self, size_px: usize, watch: &dyn Watch) -> Result<Rendered, LabError> {
-        let (mesh, camera) = framed(self.shape.mesh(self.patches)?, Lens::Orthographic, size_px)?;
+        let (mesh, camera) = framed(self.shape.mesh(self.patches)?, size_px)?;
         let directions = directions_on_ring(LAMPS, TILT_DEG);
         let lamp = |&direction_to_light: &_| Lamp::Directional { direction_to_light, intensity: 1.0 };
         let lamps: Vec<Lamp> = directions.iter().map(lamp).collect();

@@ -123,7 +123,7 @@ fn a_near_lamp_lights_the_side_it_stands_on() {
 #[test]
 fn a_framed_surface_fills_the_picture_and_stays_inside() {
     let mesh = Shape::Corner { wall_mm: 60.0, roll_deg: 20.0 }.mesh(60).unwrap();
-    let (mesh, camera) = framed(mesh, Lens::Orthographic, 120).unwrap();
+    let (mesh, camera) = framed(mesh, 120).unwrap();
     let (low, high) = mesh.bounds().unwrap();
     let (left_top, right_bottom) = (camera.point_mm(0.0, 0.0, 0.0), camera.point_mm(120.0, 120.0, 0.0));
     assert!(f64::from(low.x) > left_top.x && f64::from(high.x) < right_bottom.x);
@@ -135,7 +135,7 @@ fn a_framed_surface_fills_the_picture_and_stays_inside() {
 #[test]
 fn a_pinhole_is_as_far_as_asked_for_and_filled_to_the_same_share() {
     let mesh = Shape::Groove { wall_mm: 60.0, length_mm: 90.0, angle_deg: 90.0 }.mesh(60).unwrap();
-    let (mesh, camera) = framed(mesh.clone(), Lens::Perspective { working_distance_mm: 300.0 }, 200).unwrap();
+    let (mesh, camera) = framed_through(mesh.clone(), Lens::Perspective { working_distance_mm: 300.0 }, 200).unwrap();
     let Projection::Perspective { focal_length_px, working_distance_mm, .. } = camera.projection else {
         panic!("{camera:?}")
     };
@@ -144,13 +144,13 @@ fn a_pinhole_is_as_far_as_asked_for_and_filled_to_the_same_share() {
         |p: &Point3<f32>| focal_length_px * f64::from(p.x.abs().max(p.y.abs())) / (300.0 - f64::from(p.z));
     let farthest_px = mesh.positions.iter().map(off_axis_px).fold(0.0, f64::max);
     assert!((farthest_px - 96.0).abs() < 0.01, "{farthest_px}");
-    let inside = framed(mesh, Lens::Perspective { working_distance_mm: 20.0 }, 200);
+    let inside = framed_through(mesh, Lens::Perspective { working_distance_mm: 20.0 }, 200);
     assert!(matches!(inside, Err(LabError::BadOption { option: "working_distance_mm", .. })));
 }
 
 #[test]
 fn a_surface_is_seen_from_the_side_it_shows() {
-    let (mesh, camera) = framed(Shape::Tray { side_mm: 80.0 }.mesh(200).unwrap(), Lens::Orthographic, 100).unwrap();
+    let (mesh, camera) = framed(Shape::Tray { side_mm: 80.0 }.mesh(200).unwrap(), 100).unwrap();
     let behind = |mesh: &Mesh| seen_from_behind(&Patches::from_mesh(mesh).unwrap(), &camera);
     assert!(behind(&mesh).unwrap() < 0.01);
     let mut turned = mesh.clone();

@@ -11,7 +11,7 @@ mod photos;
 mod plan;
 mod write;
 
-use firstbounce_core::lab::{framed, seen_from_behind};
+use firstbounce_core::lab::{framed_through, seen_from_behind};
 use firstbounce_core::radiosity::{
     BounceOptions, FormFactorOptions, FormFactorReport, FormFactors, Patches, form_factors,
 };
@@ -115,7 +115,7 @@ pub fn simulate(options: &SimulateOptions, watch: &dyn Watch) -> Result<Simulate
 /// # Errors
 /// As [`simulate`].
 pub fn prepare(options: &SimulateOptions, watch: &dyn Watch) -> Result<PreparedScene, SimulateError> {
-    let (mesh, camera) = framed(mesh_of(&options.scene, options.patches)?, options.lens, options.size_px)?;
+    let (mesh, camera) = framed_through(mesh_of(&options.scene, options.patches)?, options.lens, options.size_px)?;
     let patches = Patches::from_mesh(&mesh)?;
     let mut warnings = Vec::new();
     let name = options.scene.name();
