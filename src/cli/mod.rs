@@ -8,8 +8,15 @@ mod demo;
 mod evaluate;
 mod info;
 mod open;
+<<<<<<< HEAD
 mod output;
+=======
+mod paper;
+mod plan;
+>>>>>>> d1
 mod progress;
+mod scene;
+mod simulate;
 mod solve;
 mod table;
 
@@ -44,6 +51,12 @@ pub enum Command {
     Compare(compare::CompareArgs),
     /// Say what a capture set holds, and what it lacks
     Info(info::InfoArgs),
+    /// Photograph a scene whose truth is known, and write the capture set
+    Simulate(Box<simulate::SimulateArgs>),
+    /// Foretell the errors of a rig against frames and albedos
+    Plan(Box<plan::PlanArgs>),
+    /// Do the paper's synthetic experiments again
+    Paper(paper::PaperArgs),
     /// Solve the set that comes with the program
     Demo(demo::DemoArgs),
 }
@@ -79,6 +92,9 @@ pub fn run(command: Option<Command>) -> anyhow::Result<()> {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Plan(args) => plan::run(&args),
+        Command::Paper(args) => paper::run(&args),
         Command::Demo(args) => demo::run(&args),
     }
 }

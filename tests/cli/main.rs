@@ -4,7 +4,11 @@
 
 mod bad_input;
 mod calibrate;
+<<<<<<< HEAD
 mod export;
+=======
+mod lab;
+>>>>>>> d1
 mod nayar;
 mod run;
 mod shared_sets;

@@ -37,6 +37,9 @@ fn channel(path: &Path, name: &str) -> Result<Plane, Box<dyn Error>> {
     Ok(Plane::from_vec(layer.size.width(), layer.size.height(), values).ok_or("short file")?)
 }
 
+/// A second, coarser look: noise of the path tracer falls with the block, a bias of either renderer would stay.
+const LARGE_BLOCK: usize = 32;
+
 /// Means over the blocks that lie wholly in the mask.
 fn block_means(plane: &Plane, mask: &Plane, pixels: usize) -> Vec<Option<f64>> {
     let (columns, rows) = (plane.width() / pixels, plane.height() / pixels);
@@ -53,6 +56,12 @@ fn block_means(plane: &Plane, mask: &Plane, pixels: usize) -> Vec<Option<f64>> {
 fn relative_difference(found: &[Option<f64>], truth: &[Option<f64>]) -> f64 {
     let both = || found.iter().zip(truth).filter_map(|(found, truth)| Some(((*found)?, (*truth)?)));
     both().map(|(found, truth)| (found - truth).abs()).sum::<f64>() / both().map(|(_, truth)| truth).sum::<f64>()
+}
+
+/// How much brighter all is than the truth, as a fraction of it.
+fn relative_bias(found: &[Option<f64>], truth: &[Option<f64>]) -> f64 {
+    let both = || found.iter().zip(truth).filter_map(|(found, truth)| Some(((*found)?, (*truth)?)));
+    both().map(|(found, _)| found).sum::<f64>() / both().map(|(_, truth)| truth).sum::<f64>() - 1.0
 }
 
 fn mask(folder: &Path) -> Result<Plane, Box<dyn Error>> {
@@ -91,11 +100,26 @@ fn compare(name: &str, shape: &Shape, patches: usize, mm_per_pixel: f64) -> Resu
     for (light, planes) in names.iter().zip(&rendering.lights) {
         for (k, found) in planes.bounces.iter().enumerate() {
             let truth = channel(&folder.join(format!("truth/bounce{}-{light}.exr", k + 1)), "Y")?;
-            let mut found = block_means(found, &everywhere, BLOCK / REDUCTION);
-            found.iter_mut().flatten().for_each(|value| *value *= scale);
-            let difference = relative_difference(&found, &block_means(&truth, &mask, BLOCK));
-            println!("{name} {light} bounce {}: {:.2} %", k + 1, 100.0 * difference);
+            let blocks = |pixels: usize| {
+                let mut found = block_means(found, &everywhere, pixels / REDUCTION);
+                found.iter_mut().flatten().for_each(|value| *value *= scale);
+                (found, block_means(&truth, &mask, pixels))
+            };
+            let (found_means, true_means) = blocks(BLOCK);
+            let difference = relative_difference(&found_means, &true_means);
+            let (found_large, true_large) = blocks(LARGE_BLOCK);
+            let coarse = relative_difference(&found_large, &true_large);
+            let bias = relative_bias(&found_means, &true_means);
+            println!(
+                "{name} {light} bounce {}: {:.2} %, in large blocks {:.2} %, of the mean {:+.2} %",
+                k + 1,
+                100.0 * difference,
+                100.0 * coarse,
+                100.0 * bias
+            );
             assert!(difference < 0.02, "{name} {light} bounce {}: {difference}", k + 1);
+            assert!(coarse < 0.015, "{name} {light} bounce {}: {coarse} in large blocks", k + 1);
+            assert!(bias.abs() < 0.01, "{name} {light} bounce {}: {bias} of the mean", k + 1);
         }
     }
     let depth = block_means(&channel(&folder.join("truth/depth.exr"), "Y")?, &mask, BLOCK);

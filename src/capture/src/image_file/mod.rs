@@ -33,7 +33,7 @@ pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
 pub use find::pictures_in;
 pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
-pub use png_out::{GreenAxis, GreyBits, grey16_png, mask_png, normals_png, preview_png};
+pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};
 pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
 pub use repeats::{NoiseBin, RepeatNoise};
 pub use texture::texture_png;

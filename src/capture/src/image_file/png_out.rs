@@ -68,6 +68,15 @@ pub(super) fn srgb_png(Grey { plane, what }: Grey, bits: GreyBits) -> Result<Vec
     }
 }
 
+/// A grey 8-bit PNG: 0 is stored as 0, `white` as 255, values beyond are clipped.
+///
+/// # Errors
+/// [`ImageError::UnequalPlanes`] for a plane without pixels.
+pub fn grey8_png(plane: &Plane, white: f32) -> Result<Vec<u8>, ImageError> {
+    let store = |value: f32| (value / white * 255.0).round() as u8;
+    encode_rows("grey", &[plane], L8, |[value]| [[store(value)]])
+}
+
 /// A mask as an 8-bit grey PNG: 255 inside, 0 outside.
 ///
 /// # Errors

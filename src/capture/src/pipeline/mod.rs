@@ -8,6 +8,7 @@ mod evaluate;
 mod load;
 mod nayar;
 mod output;
+pub mod simulate;
 mod solve;
 mod survey;
 mod trust;

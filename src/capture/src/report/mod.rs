@@ -4,7 +4,9 @@ mod calibration;
 mod export;
 mod html;
 mod nayar;
+mod paper;
 mod pictures;
+mod plot;
 mod trust;
 mod words;
 
@@ -13,6 +15,7 @@ pub(crate) use export::unit_word;
 pub use export::{DecimationWords, ExportWords, MeshFormatWords};
 pub use html::{html, overview};
 pub use nayar::{NayarStepWords, NayarWords};
+pub use paper::{Figure3Words, PUBLISHED, PaperErrorWords, PaperRowWords, PaperWords, PublishedWords, paper_html};
 pub use pictures::{Picture, Pictures};
 pub use trust::{LightTrustWords, NormalTrustWords, ReasonWords, TrustWords};
 pub use words::{Conventions, DepthWords, LightWords, MeshWords, Report, SetWords, ShapeWords};

@@ -1,11 +1,12 @@
-//! Calibration balls under a distant lamp, in closed form.
+//! Calibration balls under a lamp, in closed form.
 
-use nalgebra::{Unit, Vector3};
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::{
     Plane,
     ball::{Ball, SurfacePoint},
+    normals::Lamp,
 };
 
 /// A picture that holds one ball and nothing else. A ball is convex: no light bounces from it to itself.
@@ -13,6 +14,8 @@ use crate::{
 pub struct BallPicture {
     /// The ball.
     pub ball: Ball,
+    /// The ball's radius: a near lamp lights each point of it from elsewhere. Its centre is the frame's origin.
+    pub radius_mm: f64,
     /// Width and height in pixels.
     pub size: (usize, usize),
     /// Samples along each side of a pixel, which is the mean over their square.
@@ -31,19 +34,24 @@ pub struct LampSpot {
 }
 
 impl BallPicture {
-    /// A Lambertian ball; `facing` is the linear light of a facet that faces the lamp: albedo times intensity.
-    pub fn matt(&self, direction_to_light: &Unit<Vector3<f64>>, facing: f64) -> Plane {
-        self.render(|surface| facing * surface.normal.dot(direction_to_light).max(0.0))
+    /// A Lambertian ball; `facing` is the linear light of a facet at the origin that faces the lamp: albedo times
+    /// intensity.
+    pub fn matt(&self, lamp: &Lamp, facing: f64) -> Plane {
+        self.render(|surface| facing * surface.normal.dot(&self.toward(lamp, surface)).max(0.0))
     }
 
     /// A mirror ball in a dim room.
-    pub fn mirror(&self, direction_to_light: &Unit<Vector3<f64>>, lamp: &LampSpot) -> Plane {
-        let rim = lamp.half_angle_deg.to_radians().cos();
-        self.render(
-            |surface| {
-                if surface.direction_mirrored().dot(direction_to_light) >= rim { lamp.light } else { lamp.room }
-            },
-        )
+    pub fn mirror(&self, lamp: &Lamp, spot: &LampSpot) -> Plane {
+        let rim = spot.half_angle_deg.to_radians().cos();
+        self.render(|surface| {
+            let direction = self.toward(lamp, surface).normalize();
+            if surface.direction_mirrored().dot(&direction) >= rim { spot.light } else { spot.room }
+        })
+    }
+
+    /// From a point of the ball to the lamp, as long as the lamp is strong there.
+    fn toward(&self, lamp: &Lamp, surface: &SurfacePoint) -> Vector3<f64> {
+        lamp.irradiance_vector(Point3::from(surface.normal * self.radius_mm))
     }
 
     fn render(&self, light: impl Fn(&SurfacePoint) -> f64 + Sync) -> Plane {

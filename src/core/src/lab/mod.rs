@@ -1,20 +1,25 @@
-//! The lab: photos of rendered scenes by a camera that errs, balls whose pictures are known in closed form, and the
-//! experiments of Liao, Huang and Yang, CVPR 2011, on synthetic scenes.
+//! The lab: photos of rendered scenes by a camera that errs, balls whose pictures are known in closed form, a planner that
+//! foretells the errors of a rig, and the experiments of Liao, Huang and Yang, CVPR 2011, on synthetic scenes.
 
 mod balls;
 mod crosstalk;
 mod framing;
 mod paper;
+mod plan;
 mod sensor;
 
 use thiserror::Error;
 
-use crate::{normals::NormalsError, radiosity::RadiosityError, scene::SceneError, separate::SeparateError};
+use crate::{
+    indirect::IndirectError, normals::NormalsError, radiosity::RadiosityError, scene::SceneError,
+    separate::SeparateError,
+};
 
 pub use balls::{BallPicture, LampSpot};
 pub use crosstalk::Crosstalk;
-pub use framing::{directions_on_ring, framed};
+pub use framing::{Lens, directions_on_ring, framed, framed_through, seen_from_behind};
 pub use paper::{Figure3Point, Paper, PaperErrors, PaperOptions, TableRow, paper};
+pub use plan::{Plan, PlanOptions, PlanPoint, plan};
 pub use sensor::Sensor;
 
 /// Why the lab could not do what was asked.
@@ -52,6 +57,9 @@ pub enum LabError {
     /// An experiment's photometric stereo.
     #[error("no normals: {0}")]
     Normals(NormalsError),
+    /// An experiment's quiet direct light.
+    #[error("cannot quieten the direct light: {0}")]
+    Indirect(IndirectError),
     /// The watcher asked to stop.
     #[error("cancelled")]
     Cancelled,
@@ -77,6 +85,16 @@ impl From<SeparateError> for LabError {
         match error {
             SeparateError::Cancelled => Self::Cancelled,
             other => Self::Separate(other),
+        }
+    }
+}
+
+impl From<IndirectError> for LabError {
+    fn from(error: IndirectError) -> Self {
+        match error {
+            IndirectError::Cancelled => Self::Cancelled,
+            IndirectError::Separate(error) => error.into(),
+            other => Self::Indirect(other),
         }
     }
 }

@@ -1,15 +1,17 @@
 //! The camera's errors have the sizes that its numbers say, and balls the shading that the calibration expects.
 
-use nalgebra::{DMatrix, Unit, Vector3};
+use nalgebra::{DMatrix, Point3, Unit, Vector3};
 use proptest::prelude::*;
 
 use super::*;
 use crate::{
-    Plane,
+    Mesh, Plane, Projection,
     ball::{Ball, Circle, View},
     calibrate::{HighlightOptions, find_highlights},
     noise::NoiseModel,
+    normals::Lamp,
     photo::{CLIPPED, Photo},
+    radiosity::Patches,
     scene::Shape,
 };
 
@@ -78,13 +80,18 @@ fn crosstalk_is_its_matrix() {
 
 fn ball(radius_px: f64) -> BallPicture {
     let circle = Circle { centre_px: (50.3, 49.6), radius_px };
-    BallPicture { ball: Ball::new(circle, View::Orthographic), size: (100, 100), samples_per_pixel_side: 4 }
+    BallPicture {
+        ball: Ball::new(circle, View::Orthographic),
+        radius_mm: 10.0,
+        size: (100, 100),
+        samples_per_pixel_side: 4,
+    }
 }
 
 #[test]
 fn a_matt_ball_is_brightest_where_it_faces_the_lamp_and_sums_to_its_closed_form() {
     let lamp = Unit::new_normalize(Vector3::new(0.3, 0.4, 1.0));
-    let picture = ball(40.0).matt(&lamp, 0.8);
+    let picture = ball(40.0).matt(&Lamp::Distant(lamp.into_inner()), 0.8);
     let (x, y) = (50.3 + 40.0 * lamp.x, 49.6 - 40.0 * lamp.y);
     assert!((picture.sample(x, y) - 0.8).abs() < 1e-3);
     // The Lambertian phase law: 2/3 ((pi - a) cos a + sin a) r^2 of the light of a facet that faces the lamp.
@@ -99,11 +106,18 @@ fn the_highlight_on_a_mirror_ball_points_to_the_lamp() {
     for direction in directions_on_ring(4, 25.0) {
         let picture = ball(45.0);
         let spot = LampSpot { half_angle_deg: 2.5, light: 0.8, room: 0.01 };
-        let photo = Photo::unmarked(picture.mirror(&direction, &spot));
+        let photo = Photo::unmarked(picture.mirror(&Lamp::Distant(direction.into_inner()), &spot));
         let found = find_highlights(&photo, &[], &picture.ball, &HighlightOptions::default()).unwrap();
         let angle = found.chosen().unwrap().direction.direction_to_light.angle(&direction).to_degrees();
         assert!(angle < 0.3, "{angle} degrees");
     }
+}
+
+#[test]
+fn a_near_lamp_lights_the_side_it_stands_on() {
+    // The top of the ball, of 10 mm, is 10 mm nearer to a lamp 40 mm above its centre: (40 / 30)^2 brighter than the origin.
+    let picture = ball(40.0).matt(&Lamp::Near(Point3::new(0.0, 0.0, 40.0)), 0.3);
+    assert!((picture.sample(50.3, 49.6) - 0.3 * (4.0_f64 / 3.0).powi(2)).abs() < 1e-3);
 }
 
 #[test]
@@ -116,6 +130,35 @@ fn a_framed_surface_fills_the_picture_and_stays_inside() {
     assert!(f64::from(low.y) > right_bottom.y && f64::from(high.y) < left_top.y);
     let filled = f64::from((high.x - low.x).max(high.y - low.y)) / (right_bottom.x - left_top.x);
     assert!((0.9..1.0).contains(&filled), "{filled}");
+}
+
+#[test]
+fn a_pinhole_is_as_far_as_asked_for_and_filled_to_the_same_share() {
+    let mesh = Shape::Groove { wall_mm: 60.0, length_mm: 90.0, angle_deg: 90.0 }.mesh(60).unwrap();
+    let (mesh, camera) = framed_through(mesh.clone(), Lens::Perspective { working_distance_mm: 300.0 }, 200).unwrap();
+    let Projection::Perspective { focal_length_px, working_distance_mm, .. } = camera.projection else {
+        panic!("{camera:?}")
+    };
+    assert_eq!(working_distance_mm, 300.0);
+    let off_axis_px =
+        |p: &Point3<f32>| focal_length_px * f64::from(p.x.abs().max(p.y.abs())) / (300.0 - f64::from(p.z));
+    let farthest_px = mesh.positions.iter().map(off_axis_px).fold(0.0, f64::max);
+    assert!((farthest_px - 96.0).abs() < 0.01, "{farthest_px}");
+    let inside = framed_through(mesh, Lens::Perspective { working_distance_mm: 20.0 }, 200);
+    assert!(matches!(inside, Err(LabError::BadOption { option: "working_distance_mm", .. })));
+}
+
+#[test]
+fn a_surface_is_seen_from_the_side_it_shows() {
+    let (mesh, camera) = framed(Shape::Tray { side_mm: 80.0 }.mesh(200).unwrap(), 100).unwrap();
+    let behind = |mesh: &Mesh| seen_from_behind(&Patches::from_mesh(mesh).unwrap(), &camera);
+    assert!(behind(&mesh).unwrap() < 0.01);
+    let mut turned = mesh.clone();
+    turned.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+    assert!(behind(&turned).unwrap() > 0.99);
+    let mut away = mesh;
+    away.positions.iter_mut().for_each(|position| position.x += 1000.0);
+    assert_eq!(behind(&away), None);
 }
 
 #[test]

@@ -69,14 +69,46 @@ impl Receiver {
 }
 
 impl Lamp {
-    /// Whether the lamp can shine on the origin.
-    pub fn check(&self) -> Result<(), SceneError> {
-        let bad = |what, value, range| Err(SceneError::BadLamp { what, value, range });
-        let intensity = match self {
+    /// Irradiance of a facet at the origin that faces it.
+    pub fn intensity(&self) -> f64 {
+        match self {
             Self::Directional { intensity, .. } | Self::Point { intensity, .. } | Self::Area { intensity, .. } => {
                 *intensity
             }
-        };
+        }
+    }
+
+    /// Where it stands; of an area lamp its centre. `None` for a distant lamp.
+    pub fn position_mm(&self) -> Option<Point3<f64>> {
+        match self {
+            Self::Directional { .. } => None,
+            Self::Point { position_mm, .. } => Some(*position_mm),
+            Self::Area { centre_mm, .. } => Some(*centre_mm),
+        }
+    }
+
+    /// As photometric stereo takes it; an area lamp as its centre.
+    pub fn stereo(&self) -> crate::normals::Lamp {
+        match self.position_mm() {
+            Some(position_mm) => crate::normals::Lamp::Near(position_mm),
+            None => crate::normals::Lamp::Distant(self.direction_to_light().into_inner()),
+        }
+    }
+
+    /// From the origin to the light.
+    pub fn direction_to_light(&self) -> Unit<Vector3<f64>> {
+        match self {
+            Self::Directional { direction_to_light, .. } => *direction_to_light,
+            Self::Point { position_mm: place, .. } | Self::Area { centre_mm: place, .. } => {
+                Unit::new_normalize(place.coords)
+            }
+        }
+    }
+
+    /// Whether the lamp can shine on the origin.
+    pub fn check(&self) -> Result<(), SceneError> {
+        let bad = |what, value, range| Err(SceneError::BadLamp { what, value, range });
+        let intensity = self.intensity();
         if !(intensity.is_finite() && intensity >= 0.0) {
             return bad("intensity", intensity, "0 or more");
         }

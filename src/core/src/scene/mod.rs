@@ -7,6 +7,7 @@ mod anchor;
 mod gather;
 mod lamp;
 mod linear;
+mod refine;
 mod render;
 mod shape;
 
@@ -16,7 +17,8 @@ use crate::{Camera, radiosity::RadiosityError};
 
 pub use lamp::{Lamp, irradiances};
 pub(crate) use linear::{Linear, linear_over_patches};
-pub use render::{LitPlanes, RenderOptions, RenderReport, Rendering, render};
+pub use refine::refined;
+pub use render::{LitPlanes, RenderOptions, RenderReport, Rendering, render, seen_at};
 pub use shape::Shape;
 
 /// Why the scene could not be lit or seen.

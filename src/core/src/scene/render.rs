@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     Camera, Mask, NormalMap, Plane, Projection, Watch,
-    radiosity::{BounceOptions, BounceReport, FormFactors, Patches, bounces},
+    radiosity::{BounceOptions, BounceReport, FormFactors, Hit, Patches, bounces},
 };
 
 /// How a scene is rendered.
@@ -209,18 +209,8 @@ impl View<'_> {
 
     /// The first point of the surface on the ray of an image position, and its height z.
     fn hit(&self, x_px: f64, y_px: f64) -> Option<(Receiver, f64)> {
-        let direction = self.camera.view_ray(x_px, y_px);
-        let origin = match self.camera.projection {
-            Projection::Perspective { working_distance_mm, .. } => Point3::new(0.0, 0.0, working_distance_mm),
-            Projection::Orthographic { .. } => self.camera.point_mm(x_px, y_px, self.top_mm()),
-        };
-        let hit = self.patches.occluders().first_hit(&origin, &direction, None)?;
-        Some((smooth_receiver(self.patches, hit.patch, hit.weights), origin.z + direction.z * hit.distance))
-    }
-
-    /// A height above the whole surface.
-    fn top_mm(&self) -> f64 {
-        self.patches.as_slice()[0].centre.z + 2.0 * self.patches.diagonal_mm()
+        let (hit, height_mm) = seen_at(self.patches, self.camera, x_px, y_px)?;
+        Some((smooth_receiver(self.patches, hit.patch, hit.weights), height_mm))
     }
 
     /// Adds the light of samples that share a surface and the irradiance `gathered`, each with the weight `light_of`.
@@ -245,6 +235,21 @@ impl View<'_> {
             }
         }
     }
+}
+
+/// What the camera sees of the surface at an image position, from either side, and the height z of the point.
+pub fn seen_at(patches: &Patches, camera: &Camera, x_px: f64, y_px: f64) -> Option<(Hit, f64)> {
+    let direction = camera.view_ray(x_px, y_px);
+    let origin = match camera.projection {
+        Projection::Perspective { working_distance_mm, .. } => Point3::new(0.0, 0.0, working_distance_mm),
+        Projection::Orthographic { .. } => {
+            // A height above the whole surface.
+            let top_mm = patches.as_slice().first()?.centre.z + 2.0 * patches.diagonal_mm();
+            camera.point_mm(x_px, y_px, top_mm)
+        }
+    };
+    let hit = patches.occluders().first_hit(&origin, &direction, None)?;
+    Some((hit, origin.z + direction.z * hit.distance))
 }
 
 /// Samples of a pixel sorted by the smooth surface they lie on.

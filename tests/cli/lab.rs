@@ -1,0 +1,141 @@
+//! `simulate`, `plan` and `paper`.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::run::{Ran, firstbounce};
+
+/// Small enough for a test.
+const SMALL: [&str; 6] = ["--pixels", "80", "--patches", "200", "--ball-pixels", "96"];
+
+fn simulated(place: &std::path::Path, arguments: &[&str]) -> Ran {
+    firstbounce(place, ["simulate"].iter().chain(arguments).chain(&SMALL).copied())
+}
+
+#[test]
+fn a_simulated_set_goes_through_every_command() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    let words = simulated(place, &["corner", "--out", "set", "--json"]).json();
+    assert_eq!(words["warnings"], serde_json::json!([]));
+    assert!(words["reciprocity_residual"].as_f64().unwrap() < 1e-3);
+    assert!(words["indirect_share"].as_f64().unwrap() > 0.2);
+
+    let info = firstbounce(place, ["info", "set", "--json"]).json();
+    assert_eq!(info["missing_files"], serde_json::json!([]));
+    assert_eq!(info["lacks"], serde_json::json!([]));
+
+    let calibration = firstbounce(place, ["calibrate", "set", "--json"]).json();
+    let rig: Value = serde_json::from_str(&fs::read_to_string(place.join("set/truth/rig.json")).unwrap()).unwrap();
+    for light in ["light1", "light2", "light3"] {
+        let (found, truth) = (&calibration["alpha"][light][1], &rig["alpha"][light][1]);
+        let (found, truth) = (found.as_f64().unwrap(), truth.as_f64().unwrap());
+        assert!((found / truth - 1.0).abs() < 2e-3, "{light}: {found} for {truth}");
+    }
+
+    let report = firstbounce(place, ["solve", "set", "--out", "results", "--json"]).json();
+    assert_eq!(report["no_shape"], Value::Null);
+    let evaluation = firstbounce(place, ["evaluate", "set", "--json"]).json();
+    let mean = |of: &str| evaluation["normal_error_deg"][of]["mean"].as_f64().unwrap();
+    assert!(mean("separated") < 0.5 * mean("raw"), "{evaluation}");
+}
+
+#[test]
+fn a_mesh_and_lamps_of_every_kind_make_a_set() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    // An open box in metres, seen from above: a floor and four walls.
+    let corners = "v -.05 -.05 0\nv .05 -.05 0\nv .05 .05 0\nv -.05 .05 0\n\
+                   v -.06 -.06 .03\nv .06 -.06 .03\nv .06 .06 .03\nv -.06 .06 .03\n";
+    let faces = "f 1 2 3 4\nf 2 1 5 6\nf 3 2 6 7\nf 4 3 7 8\nf 1 4 8 5\n";
+    fs::write(place.join("box.obj"), format!("{corners}{faces}")).unwrap();
+    let lights = "dir:-0.3,0.1,1;point:50,300,900;area:250,-150,900:40";
+    let arguments = [
+        "box.obj",
+        "--unit",
+        "m",
+        "--lights",
+        lights,
+        "--albedos",
+        "0.7,0.5,0.2",
+        "--alpha",
+        "1,1.4,3",
+        "--out",
+        "set",
+    ];
+    let ran = simulated(place, &arguments);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let evaluation = firstbounce(place, ["evaluate", "set", "--json"]).json();
+    let mean = |of: &str| evaluation["normal_error_deg"][of]["mean"].as_f64().unwrap();
+    assert!(mean("separated") < mean("raw"), "{evaluation}");
+    let text = fs::read_to_string(place.join("set/capture.toml")).unwrap();
+    assert!(text.contains("position_mm") && text.contains("Simulated box"), "{text}");
+
+    let flipped = simulated(place, &["box.obj", "--unit", "m", "--flip", "--out", "other"]);
+    assert!(flipped.failure().contains("from behind"), "{}", flipped.err);
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused_in_one_line() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    fs::write(place.join("points.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n").unwrap();
+    fs::create_dir(place.join("mine")).unwrap();
+    fs::write(place.join("mine/letter.txt"), "dear").unwrap();
+    for (arguments, words) in [
+        (&["ring", "--out", "set"][..], &["no scene \"ring\"", "corner"][..]),
+        (&["nowhere.obj", "--out", "set"], &["nowhere.obj"]),
+        (&["points.obj", "--out", "set"], &["points.obj", "no triangle"]),
+        (&["corner", "--albedos", "0.7,1.4", "--out", "set"], &["albedo 1.4"]),
+        (&["corner", "--lights", "dir:0,1,-1", "--out", "set"], &["light1", "behind"]),
+        (&["corner", "--intensities", "1,2", "--out", "set"], &["2 intensities for 3 lamps"]),
+        (&["cap", "--angle", "120", "--out", "set"], &["half_angle_deg", "120"]),
+        (&["corner", "--bits", "20", "--out", "set"], &["bits"]),
+        (&["corner", "--out", "mine"], &["mine", "letter.txt"]),
+    ] {
+        let ran = simulated(place, arguments);
+        let line = ran.failure();
+        assert!(words.iter().all(|word| line.contains(word)), "{line}");
+        assert!(!place.join("set").exists());
+    }
+    assert_eq!(fs::read_dir(place.join("mine")).unwrap().count(), 1);
+    assert_eq!(simulated(place, &["corner", "--lights", "sun", "--out", "set"]).code, 2);
+}
+
+#[test]
+fn the_plan_tells_noise_from_later_bounces() {
+    let place = tempfile::tempdir().unwrap();
+    let arguments = ["plan", "groove", "--try-frames", "1,4", "--try-ratios", "0.5,0.9", "--json"];
+    let plan = firstbounce(place.path(), arguments).json();
+    let of = |list: &str, index: usize, key: &str| plan[list][index][key].as_f64().unwrap();
+    // Four times the frames halve the noise and leave the tail; alike colours are noisier.
+    assert!((of("by_frames", 0, "noise_deg") / of("by_frames", 1, "noise_deg") - 2.0).abs() < 1e-6);
+    assert_eq!(of("by_frames", 0, "tail_deg"), of("by_frames", 1, "tail_deg"));
+    assert!(of("by_ratio", 1, "noise_deg") > 2.0 * of("by_ratio", 0, "noise_deg"));
+    assert!(plan["raw_deg"].as_f64().unwrap() > of("by_frames", 1, "error_deg"));
+}
+
+#[test]
+fn the_papers_experiments_are_printed_and_plotted() {
+    let place = tempfile::tempdir().unwrap();
+    let paper = firstbounce(place.path(), ["paper", "--size", "32", "--out", "pages/paper.html", "--json"]).json();
+    let rows = paper["table"].as_array().unwrap();
+    let named: Vec<_> =
+        rows.iter().map(|row| (row["scene"].as_str().unwrap(), row["light"].as_str().unwrap())).collect();
+    let expected =
+        [("corner", "two bounces"), ("corner", "all bounces"), ("tray", "four bounces"), ("tray", "all bounces")];
+    assert_eq!(named, expected);
+    for row in rows {
+        for key in ["raw_deg", "separated_deg", "direct_error_percent"] {
+            assert!(row[key].as_f64().unwrap() > 0.0 && row["noiseless"][key].as_f64().unwrap() >= 0.0, "{row}");
+        }
+    }
+    assert!(rows[0]["noiseless"]["separated_deg"].as_f64().unwrap() <= 0.3);
+    assert!(paper["figure3"].as_array().unwrap().iter().any(|point| point["ratio"].as_f64().unwrap() > 1.0));
+    let page = fs::read_to_string(place.path().join("pages/paper.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("ratio of albedos") && page.contains("7.88"));
+
+    let ran = firstbounce(place.path(), ["paper", "--size", "5"]);
+    assert!(ran.failure().contains("size_px is 5"), "{}", ran.err);
+}
