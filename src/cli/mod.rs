@@ -8,12 +8,9 @@ mod demo;
 mod evaluate;
 mod info;
 mod open;
-<<<<<<< HEAD
 mod output;
-=======
 mod paper;
 mod plan;
->>>>>>> d1
 mod progress;
 mod scene;
 mod simulate;

@@ -4,11 +4,8 @@
 
 mod bad_input;
 mod calibrate;
-<<<<<<< HEAD
 mod export;
-=======
 mod lab;
->>>>>>> d1
 mod nayar;
 mod run;
 mod shared_sets;

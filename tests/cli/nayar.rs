@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::run::firstbounce;
 use crate::tiny_set;
 
-const BY_NAYAR: [&str; 6] = ["--method", "nayar", "--patches", "200", "--iterations", "4"];
+const BY_NAYAR: [&str; 6] = ["--method", "nayar", "--patches", "200", "--iterations", "3"];
 
 fn run(place: &Path, command: &[&str]) -> crate::run::Ran {
     firstbounce(place, command.iter().chain(&BY_NAYAR))
@@ -83,12 +83,13 @@ fn without_a_scale_it_says_what_to_type() {
 fn a_rendered_set_tells_the_error_after_each_iteration() {
     let place = tempfile::tempdir().unwrap();
     let demo = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo");
-    let words = run(place.path(), &["evaluate", demo, "--grey-albedo", "0.5", "--json"]).json();
+    let words = run(place.path(), &["evaluate", demo, "--json"]).json();
+    // Its file does not tell the grey ball's albedo, but its truth tells the light of white.
+    assert_eq!(words["nayar"]["white_light_source"], "the set's truth");
     let iterations = words["nayar"]["iterations"].as_array().unwrap();
     let error = |k: usize| iterations[k]["error_deg"]["mean"].as_f64().unwrap();
     assert_eq!(error(0), words["normal_error_deg"]["raw"]["mean"].as_f64().unwrap());
     assert!((1..=3).all(|k| error(k) < error(0)), "{iterations:?}");
     let text = run(place.path(), &["evaluate", demo, "--grey-albedo", "0.5"]).out;
-    assert!(text.contains("Nayar's method, iteration 3"), "{text}");
-    assert!(run(place.path(), &["evaluate", demo]).code <= 1);
+    assert!(text.contains("Nayar's method, iteration 3") && text.contains("(grey ball)"), "{text}");
 }

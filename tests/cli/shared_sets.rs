@@ -54,7 +54,7 @@ fn normals_of_rendered_sets() {
 fn nayars_method_on_rendered_sets() {
     for name in ["corner-blue", "bowl-four"] {
         let Some(set) = shared(name) else { continue };
-        let words = json(&["evaluate", "--method", "nayar", "--iterations", "3", "--patches", "1000"], &set);
+        let words = json(&["evaluate", "--method", "nayar", "--iterations", "3", "--patches", "600"], &set);
         let iterations = words["nayar"]["iterations"].as_array().unwrap();
         let found: Vec<_> = iterations.iter().map(|of| of["error_deg"]["mean"].as_f64().unwrap()).collect();
         println!("{name}: {found:.2?}");

@@ -11,8 +11,8 @@ use firstbounce_core::nayar::NayarOptions;
 
 use crate::harness::Hands;
 
-const PATCHES: usize = 300;
-const ITERATIONS: usize = 3;
+const PATCHES: usize = 150;
+const ITERATIONS: usize = 2;
 const TICK: &str = "Also solve by Nayar's method";
 
 fn at_shape() -> Hands {

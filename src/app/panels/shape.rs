@@ -138,16 +138,22 @@ fn in_3d(ui: &mut Ui, session: &mut Session) {
 }
 
 fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
+    let is_ready = session.results.state(Step::Nayar, &session.document()) == StageState::Ready;
+    let by_nayar = session.results.by_nayar().filter(|_| is_ready);
+    let mut columns = vec![("before", &shapes.before), ("after", &shapes.after)];
+    columns.extend(by_nayar.as_ref().map(|found| ("by Nayar's method", &found.shape)));
     ui.label(RichText::new("Before and after the bounces were taken out").strong());
-    Grid::new("before and after").num_columns(3).striped(true).show(ui, |ui| {
-        for heading in ["", "before", "after"] {
-            ui.label(RichText::new(heading).strong());
+    Grid::new("before and after").num_columns(1 + columns.len()).striped(true).show(ui, |ui| {
+        ui.label("");
+        for (heading, _) in &columns {
+            ui.label(RichText::new(*heading).strong());
         }
         ui.end_row();
         for (what, value) in ROWS {
             ui.label(*what);
-            ui.monospace(value(&shapes.before));
-            ui.monospace(value(&shapes.after));
+            for (_, shape) in &columns {
+                ui.monospace(value(shape));
+            }
             ui.end_row();
         }
     });

@@ -18,6 +18,8 @@ use crate::set::{Calibration, CaptureSet, Separation as Order};
 
 /// A shape that leaves more than this share of the light unexplained is worth a warning.
 const POOR_RESIDUAL: f64 = 0.1;
+/// So are later iterations that leave this many times more of the light unexplained than the best one.
+const WORSE: f64 = 1.05;
 /// So is a pseudo albedo above 1 in more than this share of the pixels.
 const MANY_CLAMPED: f64 = 0.02;
 
@@ -66,9 +68,9 @@ impl NayarSolved {
         let mut warnings = Vec::new();
         let last = steps.last().copied();
         match (ending, last) {
-            (Ending::Diverged, _) => warnings.push(format!(
-                "Nayar's method diverged: the normals turned further with each iteration; the surface is that of iteration {chosen}"
-            )),
+            (Ending::Diverged, _) => {
+                warnings.push("Nayar's method diverged: the normals turned further with each iteration".into());
+            }
             (Ending::OutOfIterations, Some(last)) => warnings.push(format!(
                 "Nayar's method has not come to rest: iteration {} still turned the normals by {:.2} degrees",
                 last.iteration, last.change_deg
@@ -76,6 +78,13 @@ impl NayarSolved {
             _ => {}
         }
         let Some(step) = steps.get(*chosen) else { return warnings };
+        if last.is_some_and(|last| last.residual > WORSE * step.residual) {
+            warnings.push(format!(
+                "Nayar's method explains the photos best after iteration {chosen} of {}: later ones take away too much light; the \
+                 surface is that of iteration {chosen}",
+                steps.len() - 1
+            ));
+        }
         if step.residual > POOR_RESIDUAL {
             warnings.push(format!(
                 "Nayar's shape leaves {:.0} % of the light unexplained: surfaces out of sight, a wrong albedo of the grey ball or \

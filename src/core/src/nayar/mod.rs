@@ -46,7 +46,7 @@ pub struct NayarOptions {
 
 impl Default for NayarOptions {
     fn default() -> Self {
-        Self { patches: 2500, max_iterations: 15, smallest_change_deg: 0.1, form_factors: FormFactorOptions::default() }
+        Self { patches: 1000, max_iterations: 10, smallest_change_deg: 0.1, form_factors: FormFactorOptions::default() }
     }
 }
 
@@ -173,7 +173,7 @@ pub enum Ending {
     Converged,
     /// They still moved when the iterations ran out.
     OutOfIterations,
-    /// They moved more and more: the shape is that of the iteration before they began to.
+    /// They moved more and more.
     Diverged,
 }
 
@@ -193,7 +193,8 @@ impl Ending {
 pub struct NayarReport {
     /// The pseudo shape, then a shape for each iteration.
     pub steps: Vec<NayarStep>,
-    /// The iteration whose shape is the result.
+    /// The iteration whose shape is the result: the one that leaves the least of the photos unexplained. Where patches are
+    /// too coarse or the surface too steep for them, later iterations take away too much light.
     pub chosen: usize,
     /// How the iterations ended.
     pub ending: Ending,
@@ -229,8 +230,8 @@ pub fn nayar(
     let mut now = Simulated::new(photographed, pseudo_shape.clone(), options, &part(0.0, 1.0))?;
     let mut steps = vec![now.step(0, 0.0, 0.0)];
     on_step(&steps[0], &now.shape);
-    let mut kept: Option<(Shape, Vec<Plane>, usize)> = None;
-    let mut direct: Vec<Plane> = photographed.lights.iter().map(|light| light.direct.clone()).collect();
+    // The result is one of the iterations: the pseudo shape itself is what photometric stereo gives without the method.
+    let mut best: Option<(Shape, Vec<Plane>, usize)> = None;
     let mut ending = Ending::OutOfIterations;
     for iteration in 1..=options.max_iterations {
         let begin = iteration as f32;
@@ -238,34 +239,38 @@ pub fn nayar(
         let shape = shape_of(photographed, &corrected, shape_options, &part(begin, begin + SHAPE_SHARE))?;
         let change_deg = shape.normals.map.angular_error(&now.shape.normals.map, photographed.mask);
         let change_deg = change_deg.map_or(0.0, |change| change.mean_deg);
-        let next = Simulated::new(photographed, shape, options, &part(begin + SHAPE_SHARE, begin + 1.0))?;
-        let before = std::mem::replace(&mut now, next);
-        let grows = iteration > 1 && change_deg > GROWTH * steps[iteration - 1].change_deg;
-        let before_direct = std::mem::replace(&mut direct, corrected);
-        if !grows {
-            kept = None;
-        } else if kept.is_none() {
-            kept = Some((before.shape, before_direct, iteration - 1));
-        } else {
-            ending = Ending::Diverged;
-        }
+        now = Simulated::new(photographed, shape, options, &part(begin + SHAPE_SHARE, begin + 1.0))?;
         steps.push(now.step(iteration, change_deg, indirect_fraction));
         on_step(&steps[iteration], &now.shape);
+        if best.as_ref().is_none_or(|(_, _, best)| now.residual < steps[*best].residual) {
+            best = Some((now.shape.clone(), corrected, iteration));
+        }
         if change_deg < options.smallest_change_deg {
             ending = Ending::Converged;
+        } else if grows_twice(&steps) {
+            ending = Ending::Diverged;
         }
         if ending != Ending::OutOfIterations {
             break;
         }
     }
     let (patches, patch_px) = (now.factors.patches().len(), now.facets.step_px());
-    let (shape, direct, chosen) = match kept {
-        Some(kept) if ending == Ending::Diverged => kept,
-        _ => (now.shape, direct, steps.len() - 1),
+    let Some((shape, direct, chosen)) = best else {
+        return Err(NayarError::NoSurface { pixels: now.shape.depth.report.pixels });
     };
     watch.progress(1.0);
     let islands = shape.depth.report.islands;
     Ok(Nayar { shape, direct, report: NayarReport { steps, chosen, ending, patches, patch_px, islands } })
+}
+
+/// Whether the last two iterations each turned the normals clearly further than the one before.
+fn grows_twice(steps: &[NayarStep]) -> bool {
+    match steps {
+        [.., a, b, c] => {
+            a.iteration > 0 && b.change_deg > GROWTH * a.change_deg && c.change_deg > GROWTH * b.change_deg
+        }
+        _ => false,
+    }
 }
 
 fn shape_of(
