@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firstbounce_capture::pipeline::simulate::{
-    BallOptions, SimulateOptions, SimulateReport, Simulated, simulate, write_simulated,
+    BallOptions, SimulateOptions, SimulateReport, Simulated, check_folder, simulate, write_simulated,
 };
 use serde::Serialize;
 
@@ -81,6 +81,7 @@ pub fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     if let Some(name) = &args.name {
         options.name.clone_from(name);
     }
+    check_folder(&args.out)?;
     let terminal = Terminal::attend();
     let simulated = simulate(&options, &terminal.job("simulate"));
     terminal.finish();

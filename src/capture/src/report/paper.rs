@@ -5,7 +5,7 @@ use firstbounce_core::trust::gain_of_ratio;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
 
-use super::plot::{Axis, Curve, Plot, Scale, bars};
+use super::plot::{Axis, Bar, Curve, Plot, Scale, bars};
 
 /// What survives of the paper's own figures for one scene. The scan lost most cells of its Table 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -241,9 +241,9 @@ fn table(words: &PaperWords) -> Markup {
 fn degrees(words: &PaperWords) -> Markup {
     let group = |row: &PaperRowWords| {
         let bars = vec![
-            ("as they are", "before", row.errors.raw_deg),
-            ("bounce 1, 8 bits", "first", row.errors.separated_deg),
-            ("no noise", "second", row.noiseless.separated_deg),
+            Bar { name: "as they are", class: "before", value: row.errors.raw_deg },
+            Bar { name: "bounce 1, 8 bits", class: "first", value: row.errors.separated_deg },
+            Bar { name: "no noise", class: "second", value: row.noiseless.separated_deg },
         ];
         (format!("{}, {}", row.scene, row.light), bars)
     };

@@ -144,12 +144,23 @@ impl Plot {
     }
 }
 
-/// Horizontal bars, grouped, with their numbers.
-pub fn bars(description: &str, unit: &str, groups: &[(String, Vec<(&'static str, &'static str, f64)>)]) -> Markup {
+/// One bar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bar {
+    /// What it shows.
+    pub name: &'static str,
+    /// Its colour in the page's style: "before", "first" or "second".
+    pub class: &'static str,
+    /// How long it is.
+    pub value: f64,
+}
+
+/// Horizontal bars in named groups, with their numbers.
+pub fn bars(description: &str, unit: &str, groups: &[(String, Vec<Bar>)]) -> Markup {
     const BAR: f64 = 18.0;
     const GAP: f64 = 14.0;
     const NAMES: f64 = 250.0;
-    let most = groups.iter().flat_map(|(_, bars)| bars).map(|(_, _, value)| *value).fold(f64::MIN_POSITIVE, f64::max);
+    let most = groups.iter().flat_map(|(_, bars)| bars).map(|bar| bar.value).fold(f64::MIN_POSITIVE, f64::max);
     let count: usize = groups.iter().map(|(_, bars)| bars.len()).sum();
     let height = count as f64 * BAR + groups.len() as f64 * GAP;
     let length = |value: f64| (WIDTH - NAMES - 100.0) * value / most;
@@ -157,7 +168,7 @@ pub fn bars(description: &str, unit: &str, groups: &[(String, Vec<(&'static str,
     let mut rows = Vec::new();
     for (group, bars) in groups {
         y += GAP;
-        for (k, &(name, class, value)) in bars.iter().enumerate() {
+        for (k, &Bar { name, class, value }) in bars.iter().enumerate() {
             rows.push((if k == 0 { group.as_str() } else { "" }, name, class, value, y));
             y += BAR;
         }

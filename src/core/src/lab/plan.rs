@@ -78,7 +78,8 @@ impl PlanOptions {
             return bad("bounces", self.bounces as f64, "1 to the number of albedos");
         }
         let shapely = self.alpha.iter().all(|alpha| alpha.len() == self.albedos.len());
-        if !self.alpha.is_empty() && !(shapely && self.alpha.len() == self.lamps.len()) {
+        let one_each = self.alpha.is_empty() || self.alpha.len() == self.lamps.len();
+        if !(shapely && one_each) {
             return bad("alpha", self.alpha.len() as f64, "one value for each lamp and colour");
         }
         Ok(())

@@ -24,7 +24,7 @@ pub use error::SimulateError;
 pub use lamps::{LampOptions, LampPlace, LampPlaces, NoLamp};
 pub use options::{BallOptions, Exposure, Measures, Scene, SimulateOptions};
 pub use plan::{PlanGrid, plan_rig};
-pub use write::{RigWords, write_simulated};
+pub use write::{RigWords, check_folder, write_simulated};
 
 /// More of the visible surface than this seen from behind is a mesh turned inside out.
 const INSIDE_OUT: f64 = 0.5;

@@ -52,6 +52,28 @@ impl RigWords {
 /// Where the rig's values lie in the set's folder. No photographed set has them.
 const RIG: &str = "truth/rig.json";
 
+/// Whether a simulated set could be written into `folder`: to know before the work.
+///
+/// # Errors
+/// As [`write_simulated`].
+pub fn check_folder(folder: &Path) -> Result<(), SimulateError> {
+    drop(OutputFolder::stage(folder)?);
+    if folder.join(RIG).is_file() {
+        return Ok(());
+    }
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    let mut names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    match names.find(|name| !is_programs_own(name)) {
+        Some(found) => Err(SimulateError::ForeignFiles { folder: folder.to_owned(), found }),
+        None => Ok(()),
+    }
+}
+
+/// A view that the window keeps beside a set, or what is being staged.
+fn is_programs_own(name: &str) -> bool {
+    name.starts_with("firstbounce-") || name.starts_with(".firstbounce-")
+}
+
 /// Writes a simulated set into `folder`, all of it or nothing. A simulated set of the same files there is replaced.
 ///
 /// # Errors
@@ -97,7 +119,7 @@ pub fn write_simulated(simulated: &Simulated, folder: &Path) -> Result<(), Simul
     Ok(output.commit()?)
 }
 
-/// Fails if `folder` holds anything that the staged files would not replace. The window keeps its view beside a set.
+/// Fails if `folder` holds anything that the staged files would not replace.
 fn refuse_foreign_files(folder: &Path, staged: &Path) -> Result<(), SimulateError> {
     let foreign = |found: PathBuf| SimulateError::ForeignFiles {
         folder: folder.to_owned(),
@@ -105,7 +127,7 @@ fn refuse_foreign_files(folder: &Path, staged: &Path) -> Result<(), SimulateErro
     };
     let ours = |file: &Path| {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
-        staged.join(file).exists() || name.starts_with("firstbounce-") || name.starts_with(".firstbounce-")
+        staged.join(file).exists() || is_programs_own(&name)
     };
     let mut files = Vec::new();
     let mut pending = vec![PathBuf::new()];
