@@ -54,10 +54,10 @@ impl OutputFormat {
     /// What the format holds, and what it is good for.
     pub fn purpose(self) -> &'static str {
         match self {
-            Self::Obj => "text with normals and the albedo as a texture; every modeller reads it",
-            Self::Ply => "small, with albedo and predicted noise for each vertex; for MeshLab and CloudCompare",
-            Self::Stl => "triangles alone; for printing and CAD",
-            Self::Glb => "one file with texture, for the web and for viewers",
+            Self::Obj => "Text with normals and the albedo as a texture; every modeller reads it",
+            Self::Ply => "Small, with albedo and predicted noise for each vertex; for MeshLab and CloudCompare",
+            Self::Stl => "Triangles alone; for printing and CAD",
+            Self::Glb => "One file with texture, for the web and for viewers",
         }
     }
 
