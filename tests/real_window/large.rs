@@ -27,8 +27,9 @@ fn frames_at_24_mpx() {
     let Some(program) = desktop.start(test, &["open", set.to_str().unwrap()]) else { return };
     let reader = &program.reader;
     reader.press("3  Separate");
-    reader.wait_for("all five steps to be ready", |widgets| {
-        (widgets.iter().filter(|widget| widget.name == "ready").count() == 5).then_some(())
+    // The surface goes on being computed, and anew after the drag: the drag is what is measured.
+    reader.wait_for("the bounces to be there", |widgets| {
+        (widgets.iter().filter(|widget| widget.name == "ready").count() >= 3).then_some(())
     });
     println!("opening:\n{}", report(&desktop, &program));
 

@@ -96,9 +96,13 @@ impl ScreenReader {
         self.wait_for(words, |widgets| widgets.iter().find(|widget| widget.name.contains(words)).cloned())
     }
 
-    /// Waits for a widget of this name and does with it what a click does.
+    /// Waits for a widget of this name and does with it what a click does. A menu's entry tells its keys after its name.
     pub fn press(&self, name: &str) {
-        let Widget { owner, path, .. } = self.find(name);
+        let Widget { owner, path, .. } = self.wait_for(name, |widgets| {
+            let usable = || widgets.iter().filter(|widget| widget.role != LABEL);
+            let entry = || usable().find(|widget| widget.name.starts_with(&format!("{name} ")));
+            usable().find(|widget| widget.name == name).or_else(entry).cloned()
+        });
         let done = self.call::<_, bool>(&owner, &path, "org.a11y.atspi.Action", "DoAction", &0i32);
         assert_eq!(done, Some(true), "\"{name}\" cannot be pressed");
     }

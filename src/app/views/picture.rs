@@ -188,9 +188,13 @@ pub fn sides(a: &Shown, b: &Shown, document: &Document, results: &Results) -> Re
     Ok([layer(a, document, results)?, layer(b, document, results)?])
 }
 
-/// Directions differ by an angle.
+/// Directions differ by an angle, which is computed of the normals before and after.
 fn are_normals(a: &Shown, b: &Shown) -> bool {
-    matches!((a, b), (Shown::Normals(a), Shown::Normals(b)) if a != b)
+    let whens = match (a, b) {
+        (Shown::Normals(a), Shown::Normals(b)) => (*a, *b),
+        _ => return false,
+    };
+    matches!(whens, (When::After, When::Before) | (When::Before, When::After))
 }
 
 /// Bounce k of a light as weights on its photos.
