@@ -87,20 +87,27 @@ impl Reference {
 }
 
 fn outcome(how: &How, poses: Option<Poses>, meshes: &Meshes, reference: &Mesh, job: &Job) -> Result<Outcome, String> {
-    let one = |mesh: &Mesh, pose: Option<Pose>, from: f32| {
+    let one = |how: &How, search: bool, mesh: &Mesh, pose: Option<Pose>, from: f32| {
         let watch: &dyn Watch = job;
         let aligning = Portion { watch, from, to: from + 0.35 };
         let measuring = Portion { watch, from: from + 0.35, to: from + 0.5 };
         let laying = match (how, pose) {
-            (How::Align(start), _) => Laying::Align(AlignOptions { start: start.clone(), ..AlignOptions::default() }),
+            (How::Align(start), _) => {
+                Laying::Align(AlignOptions { start: start.clone(), search, ..AlignOptions::default() })
+            }
             (How::AsTheyLie, Some(pose)) => Laying::Known(Isometry3::from(pose)),
             (How::AsTheyLie, None) => Laying::AsItCame,
         };
         let options = DistanceOptions::default();
         compare_meshes(mesh, reference, &laying, &options, (&aligning, &measuring)).map_err(|error| error.to_string())
     };
-    let after = one(&meshes.after, poses.map(|poses| poses.after), 0.0)?;
-    let before = one(&meshes.before, poses.map(|poses| poses.before), 0.5);
+    let after = one(how, true, &meshes.after, poses.map(|poses| poses.after), 0.0)?;
+    // Both come from one camera: where bounce 1 lies, the raw photos' surface lies nearly too, and need not be searched for.
+    let (how, search) = match &after.alignment {
+        Some(found) => (How::Align(Start::Pose(found.moving_to_fixed)), false),
+        None => (how.clone(), true),
+    };
+    let before = one(&how, search, &meshes.before, poses.map(|poses| poses.before), 0.5);
     if job.is_cancelled() {
         return Err("the comparison was cancelled".into());
     }

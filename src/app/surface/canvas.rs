@@ -143,10 +143,11 @@ fn paint(
         colour: [1.0, 0.62, 0.1],
         half_width_px: 1.0,
     });
+    let unit_px = frame.unit_on_target() / f64::from(ui.ctx().pixels_per_point());
     let scene = Scene {
         size_px,
         frame: *frame,
-        layers: scene::drawings(look, seen, shading, heat, visuals),
+        layers: scene::drawings(look, seen, shading, heat, visuals, unit_px),
         background: background.map(|channel| f32::from(channel) / 255.0),
         plane,
     };

@@ -40,6 +40,7 @@ pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -
     picked(ui, &mut state, unit);
     if state.tool == Tool::Section {
         ui.horizontal_wrapped(|ui| profile::controls(ui, &mut state, &around, unit));
+        profile::slide(ui, &mut state, &around);
     }
     let plane = state.plane(&around.centre);
     let space = ui.available_size();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{Color32, DragValue, Role, Ui, WidgetInfo};
+use eframe::egui::{Color32, DragValue, Role, Slider, Ui, WidgetInfo};
 use egui_plot::{Legend, Line, Plot};
 use firstbounce_core::mesh::section;
 use nalgebra::{Isometry3, UnitVector3};
@@ -93,16 +93,28 @@ pub fn controls(ui: &mut Ui, state: &mut ViewState, ball: &Ball, unit: &str) {
             if ui.add(field).labelled_by(label.id).changed() {
                 state.at[axis] = Some(at);
             }
-            let slider = eframe::egui::Slider::new(&mut at, middle - reach..=middle + reach).show_value(false);
-            if ui.add(slider).labelled_by(label.id).changed() {
-                state.at[axis] = Some(at);
-            }
         }
         None if state.picked.len() < 2 => {
             ui.label("Click two points on a surface.");
         }
         None => {}
     }
+}
+
+/// A slider over the whole width, for the plane across an axis.
+pub fn slide(ui: &mut Ui, state: &mut ViewState, ball: &Ball) {
+    let Some(axis) = state.cut.axis() else { return };
+    let (middle, reach) = (ball.centre[axis], ball.radius);
+    let mut at = state.at[axis].unwrap_or(middle);
+    ui.scope(|ui| {
+        ui.spacing_mut().slider_width = (ui.available_width() - 20.0).max(40.0);
+        let slider = Slider::new(&mut at, middle - reach..=middle + reach).show_value(false);
+        let response = ui.add(slider);
+        response.widget_info(|| WidgetInfo::slider(true, at, "Slide the section"));
+        if response.changed() {
+            state.at[axis] = Some(at);
+        }
+    });
 }
 
 /// The plot of the cut; computed anew when the plane or a surface has changed.

@@ -8,6 +8,9 @@ use crate::app::document::Document;
 use crate::app::results::Results;
 use crate::gpu::mesh::{Ball, LayerDrawing, Shading, Shared};
 
+/// Edges that are this long on the screen are drawn in full.
+const OPEN_EDGE_PX: f64 = 8.0;
+
 /// Values for the heat map, and its ends.
 pub struct Heat {
     /// For each vertex that is shown, by layer.
@@ -75,20 +78,23 @@ fn heights(seen: &[Seen]) -> [f32; 2] {
     if low < high { [low as f32, high as f32] } else { [low as f32 - 0.5, low as f32 + 0.5] }
 }
 
-/// What the card draws.
+/// What the card draws; `unit_px` is the length of a pixel in the middle of the view.
 pub fn drawings(
     look: &SurfaceLook,
     seen: &[Seen],
     shading: Shading,
     heat: Option<&Heat>,
     visuals: &Visuals,
+    unit_px: f64,
 ) -> Vec<LayerDrawing> {
     let coloured = match look.colours {
         LayerColours::Always => true,
         LayerColours::Never => false,
         LayerColours::Several => seen.len() > 1,
     };
-    let wire = if visuals.dark_mode { [0.07, 0.07, 0.08] } else { [0.16, 0.16, 0.18] };
+    let ink = if visuals.dark_mode { [0.07, 0.07, 0.08] } else { [0.16, 0.16, 0.18] };
+    // Edges that lie closer than a few pixels would cover all of the surface.
+    let wire = |edge_px: f64| [ink[0], ink[1], ink[2], (edge_px / OPEN_EDGE_PX).powi(2).clamp(0.02, 0.9) as f32];
     seen.iter()
         .map(|seen| {
             let layer = look.layer(seen.name);
@@ -106,7 +112,7 @@ pub fn drawings(
                 world_from_mesh: seen.pose,
                 shading,
                 base: own.then(|| layer.colour.map(|channel| f32::from(channel) / 255.0)),
-                wire: look.wireframe.then_some(wire),
+                wire: look.wireframe.then(|| wire(seen.prepared.geometry.edge_length / unit_px)),
                 ..LayerDrawing::new(seen.prepared.geometry.clone())
             }
         })

@@ -35,6 +35,8 @@ pub struct Geometry {
     pub heights: [f64; 2],
     /// Whether the vertices have colours of their own.
     pub has_colours: bool,
+    /// The mean length of an edge.
+    pub edge_length: f64,
 }
 
 impl Geometry {
@@ -45,6 +47,7 @@ impl Geometry {
         let ball = Ball::around(&low, &high);
         let computed = if mesh.normals.is_empty() { mesh.area_weighted_normals() } else { Vec::new() };
         let normals = if mesh.normals.is_empty() { &computed } else { &mesh.normals };
+        let edges = edges(&mesh.triangles);
         let vertex = |(index, position): (usize, &Point3<f32>)| Vertex {
             position: (position.cast::<f64>() - ball.centre).cast::<f32>().into(),
             normal: packed(normals.get(index).copied().unwrap_or_else(Vector3::z)),
@@ -55,7 +58,8 @@ impl Geometry {
         };
         Some(Self {
             vertices: mesh.positions.par_iter().enumerate().map(vertex).collect(),
-            edges: edges(&mesh.triangles),
+            edge_length: edge_length(mesh, &edges),
+            edges,
             triangles: mesh.triangles.clone(),
             centre: ball.centre,
             ball,
@@ -84,6 +88,12 @@ fn edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     edges.par_sort_unstable();
     edges.dedup();
     edges
+}
+
+fn edge_length(mesh: &Mesh, edges: &[[u32; 2]]) -> f64 {
+    let at = |vertex: u32| mesh.positions.get(vertex as usize).copied().unwrap_or_default();
+    let sum: f64 = edges.par_iter().map(|&[a, b]| f64::from((at(a) - at(b)).norm())).sum();
+    sum / edges.len().max(1) as f64
 }
 
 /// Something shared that is equal to itself alone: comparing it is comparing its address.

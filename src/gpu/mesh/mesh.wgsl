@@ -10,6 +10,7 @@ struct Layer {
     lamp: vec4<f32>,
     // The layer's own colour; the fourth is 1 where it is used instead of the vertices' colours.
     base: vec4<f32>,
+    // The fourth is how much of the surface an edge covers.
     line: vec4<f32>,
     // Unit normal and offset of the section plane; the colour's fourth is half the width of its line in pixels, 0 for none.
     plane: vec4<f32>,
@@ -82,7 +83,7 @@ fn lifted(
 
 @fragment
 fn wire() -> @location(0) vec4<f32> {
-    return vec4(layer.line.rgb, 1.0);
+    return layer.line;
 }
 
 fn encoded(light: vec3<f32>) -> vec3<f32> {

@@ -72,7 +72,12 @@ impl Pipelines {
                     module: &module,
                     entry_point: Some(fragment),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some((if picture { COLOUR } else { target }).into())],
+                    targets: &[Some(wgpu::ColorTargetState {
+                        format: if picture { COLOUR } else { target },
+                        // Edges let the surface through where they lie close.
+                        blend: (fragment == "wire").then_some(wgpu::BlendState::ALPHA_BLENDING),
+                        write_mask: wgpu::ColorWrites::ALL,
+                    })],
                 }),
                 multiview_mask: None,
                 cache: None,

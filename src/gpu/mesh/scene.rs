@@ -66,8 +66,8 @@ pub struct LayerDrawing {
     pub shading: Shading,
     /// Its own colour, 0 to 1 in gamma space, in the place of plaster or albedo.
     pub base: Option<[f32; 3]>,
-    /// The colour of its edges, if they are drawn.
-    pub wire: Option<[f32; 3]>,
+    /// The colour of its edges, if they are drawn, and how much of the surface they cover.
+    pub wire: Option<[f32; 4]>,
 }
 
 impl LayerDrawing {

@@ -53,7 +53,7 @@ impl Uniforms {
                 _ => [0.0, 0.0, 1.0, 0.0],
             },
             base: layer.base.map_or([0.0; 4], |colour| opaque(colour, 1.0)),
-            line: opaque(layer.wire.unwrap_or_default(), 1.0),
+            line: layer.wire.unwrap_or_default(),
             plane,
             plane_colour,
             range,
