@@ -121,18 +121,6 @@ impl Program {
         Some(said)
     }
 
-    /// Waits for its end: its exit code, and what it said.
-    pub fn wait(&mut self) -> (Option<i32>, String) {
-        let since = Instant::now();
-        loop {
-            if let Some(said) = self.ended() {
-                return (self.child.0.wait().unwrap().code(), said);
-            }
-            assert!(since.elapsed() < PATIENCE, "the program did not end");
-            std::thread::sleep(Duration::from_millis(50));
-        }
-    }
-
     /// How long it has worked on all cores, in hundredths of a second.
     pub fn ticks(&self) -> u64 {
         let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.0.id())).unwrap();

@@ -12,7 +12,7 @@ fn lose_device(program: &Program) {
 fn a_lost_device_costs_neither_the_set_nor_its_unsaved_edits() {
     let test = "a_lost_device_costs_neither_the_set_nor_its_unsaved_edits";
     let Some(desktop) = Desktop::new(test) else { return };
-    let Some(mut program) = desktop.start(test, &[]) else { return };
+    let Some(program) = desktop.start(test, &[]) else { return };
     program.reader.press("Open the demo");
     program.reader.press("3  Separate");
     program.reader.set("beta of green", 0.6);
@@ -28,15 +28,4 @@ fn a_lost_device_costs_neither_the_set_nor_its_unsaved_edits() {
     program.reader.wait_for("the typed beta to be gone", |widgets| {
         widgets.iter().all(|widget| widget.name != "Use the measured beta").then_some(())
     });
-
-    // A second loss so soon ends the run; the next one offers what was unsaved.
-    program.reader.press("Edit");
-    program.reader.press("Redo: Type beta of green");
-    program.reader.read("Use the measured beta");
-    lose_device(&program);
-    let (code, said) = program.wait();
-    assert_eq!(code, Some(1), "{said}");
-    assert!(said.contains("the graphics driver stopped twice"), "{said}");
-    let Some(next) = desktop.start(test, &[]) else { return };
-    next.reader.read("The last run ended before");
 }

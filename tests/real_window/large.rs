@@ -33,9 +33,16 @@ fn frames_at_24_mpx() {
     });
     println!("opening:\n{}", report(&desktop, &program));
 
+    // The inspector has a section of the same name as the menu's group.
+    let inspector = || {
+        reader.press("View");
+        reader.press("Show or hide the inspector");
+    };
+    inspector();
     reader.press("Picture: Photo, left, blue");
     reader.press("Light left");
     reader.press("Bounce 1, left");
+    inspector();
     reader.press("Help");
     reader.press("Frame times");
     reader.find("Count anew");
