@@ -182,7 +182,8 @@ impl Session {
             .unwrap_or_else(|| Views::showing(first_view(&document)));
         self.disk = Some(DiskWatch::new(self.editor.path().to_owned(), self.jobs.wake()));
         self.panel = PanelName::Captures;
-        let problems = self.editor.problems().len();
+        // A set that has just begun lacks everything, which nobody needs to be told.
+        let problems = if self.editor.path().is_file() { self.editor.problems().len() } else { 0 };
         let title = document.set.title();
         match problems {
             0 => self.log.add(Level::Done, format!("Opened {title}")),

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use eframe::egui::Ui;
 
 use super::canvas::CanvasResponse;
-use super::results::{StageState, Step};
+use super::results::{NO_PHOTOS, StageState, Step};
 use super::session::Session;
 use super::views::{Picture, Shown};
 
@@ -72,7 +72,7 @@ impl PanelName {
 /// Photos are read one by one: that some are there does not mean that all are.
 fn captures_state(session: &Session) -> StageState {
     if session.document().set.shots.is_empty() {
-        return StageState::Blocked { line: "no photos yet: drop files on this window, or choose them below".into() };
+        return StageState::Blocked { line: NO_PHOTOS.into() };
     }
     let loaded = session.results.loaded();
     let mut bad = loaded.iter().flat_map(|loaded| &loaded.shots).filter_map(|shot| shot.photo.as_ref().err());

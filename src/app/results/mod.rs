@@ -32,6 +32,8 @@ use stage::Slot;
 
 /// Work starts when the document has been left alone for so long: a drag would otherwise start it anew every frame.
 const SETTLE: Duration = Duration::from_millis(150);
+/// What every step of a set says that is still empty.
+pub const NO_PHOTOS: &str = "no photos yet: drop files on this window, or choose them in Captures";
 const CANCELLED: &str = "cancelled; \"Compute again what failed\" (F9) starts it anew";
 
 /// A calibration and the names it counts by.
@@ -349,6 +351,9 @@ impl Results {
 
     /// Why a stage cannot start though the one before it is ready.
     fn why_blocked(&self, step: Step, document: &Document) -> String {
+        if document.set.shots.is_empty() {
+            return NO_PHOTOS.into();
+        }
         let problems = document.set.check();
         if let Some(first) = problems.first() {
             return format!("{first}");

@@ -8,6 +8,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::set::{Became, GuessOptions, Pattern, Subject, Word, add_files, assign, propose};
 
 use super::in_order::InOrder;
+use super::table::subject_title;
 use crate::app::panels::part::part;
 use crate::app::session::Session;
 
@@ -220,15 +221,16 @@ fn described(set: &CaptureSet, shots: &[usize]) -> String {
 
 /// A choice of what a file shows.
 pub fn subject_box(ui: &mut Ui, label: &str, subject: &mut Subject) {
-    let shown = ComboBox::from_id_salt(label).width(90.0).selected_text(subject.word()).show_ui(ui, |ui| {
+    let title = subject_title(*subject);
+    let shown = ComboBox::from_id_salt(label).width(90.0).selected_text(title).show_ui(ui, |ui| {
         for &choice in Subject::ALL {
-            ui.selectable_value(subject, choice, choice.word());
+            ui.selectable_value(subject, choice, subject_title(choice));
         }
     });
-    let word = subject.word();
+    let title = subject_title(*subject);
     shown.response.widget_info(|| {
         let mut info = WidgetInfo::labeled(Role::ComboBox, true, label);
-        info.current_text_value = Some(word.to_owned());
+        info.current_text_value = Some(title.to_owned());
         info
     });
     shown.response.on_hover_text(label);
@@ -236,7 +238,9 @@ pub fn subject_box(ui: &mut Ui, label: &str, subject: &mut Subject) {
 
 /// A choice among names, or a new one.
 pub fn name_box<'a>(ui: &mut Ui, label: &str, name: &mut String, known: impl Iterator<Item = &'a str>) {
-    let text = if name.is_empty() { "choose".to_owned() } else { name.clone() };
+    // "Light of img_0001.png" asks "light?"
+    let asked = label.split(' ').next().unwrap_or_default().to_lowercase();
+    let text = if name.is_empty() { format!("{asked}?") } else { name.clone() };
     let mut names: Vec<&str> = Vec::new();
     known.filter(|known| !known.is_empty()).for_each(|known| {
         if !names.contains(&known) {

@@ -37,7 +37,7 @@ pub struct Captures {
 impl Panel for Captures {
     fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
         let document = session.document();
-        if !document.set.shots.is_empty() {
+        if !document.set.shots.is_empty() || session.editor.path().is_file() {
             part(ui, "problems", |ui| problems(ui, session));
         }
         part(ui, "add", |ui| self.add_files(ui, session));
