@@ -38,7 +38,7 @@ pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String
                 h1 { (report.set.name) }
                 p { (summary(report)) }
                 (warnings(report))
-                (trust_section(report))
+                @if report.nayar.is_none() { (trust_section(report)) }
                 h2 { "Captures and bounces" }
                 @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
                 @if let Some(nayar) = &report.nayar { (nayar.section()) }

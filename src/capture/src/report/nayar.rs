@@ -79,7 +79,7 @@ impl NayarWords {
         html! {
             h2 { "Nayar's method" }
             p { "Nayar, Ikeuchi and Kanade 1991: the light that bounces about on the shape is simulated and taken away, over and "
-                "over. " (self.ending) " after " (self.iterations.len().saturating_sub(1)) " iterations; the result is that of "
+                "over. Outcome: " (self.ending) " after " (self.iterations.len().saturating_sub(1)) " iterations; the result is that of "
                 "iteration " (self.chosen) ". " (self.patches) " patches of " (self.patch_px) " pixels. Light of a white facet: "
                 (number(self.white_light)) " (" (self.white_light_source) ")." }
             (self.plot())

@@ -189,7 +189,9 @@ impl Report {
         let of_photos = solved.object.warnings.iter().chain(&solved.calibrated.warnings).cloned();
         let solved_pixels = shape.as_ref().map_or(0, |shape| shape.solved_pixels);
         let of_nayar = solved.nayar.iter().flat_map(|nayar| nayar.warnings(solved_pixels));
-        let warnings = of_photos.chain(of_nayar).chain(trust.warnings()).collect();
+        // That one colour cannot tell bounces apart is no reproach to a method that simulates them.
+        let of_trust = trust.warnings().filter(|_| solved.nayar.is_none());
+        let warnings = of_photos.chain(of_nayar).chain(of_trust).collect();
         Self {
             program: format!("Firstbounce {}", env!("CARGO_PKG_VERSION")),
             set: SetWords {
