@@ -15,7 +15,7 @@ pub struct Settings {
     /// From bounce 1 to the surface.
     pub shape: ShapeSettings,
     /// The scan that the surface is compared with.
-    pub reference: Option<ReferenceSettings>,
+    pub reference: Option<Box<ReferenceSettings>>,
 }
 
 /// How the surface is recovered; the defaults are those of the command line.
