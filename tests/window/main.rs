@@ -14,3 +14,4 @@ mod rig;
 mod screenshots;
 mod separate;
 mod start;
+mod surface;
