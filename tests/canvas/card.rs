@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuSetup, WgpuSetupExisting};
 use eframe::wgpu;
+use firstbounce::gpu::mesh::{MeshGpu, Picture, Scene};
 use firstbounce::gpu::{Bound, CanvasGpu, Drawing, Output, Resolution, Wake};
+use image::RgbaImage;
 
 const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
@@ -134,6 +136,32 @@ impl Card {
         (self.read_back(encoder, &target), bound.resolution)
     }
 
+    /// Draws a scene and reads it back. Its width must be a multiple of 64.
+    pub fn draw_scene(&self, scene: &Scene) -> RgbaImage {
+        let mut picture = None;
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.mesh().draw(scene, &mut picture, &mut encoder);
+        let picture: Picture = picture.expect("it was drawn");
+        let bytes = self.bytes(encoder, &picture.colour, 4);
+        RgbaImage::from_raw(picture.colour.width(), picture.colour.height(), bytes).expect("as many bytes as pixels")
+    }
+
+    /// Which of these scenes are drawn anew when they follow each other in one view.
+    pub fn draws(&self, scenes: &[&Scene]) -> Vec<bool> {
+        let (mut mesh, mut picture) = (self.mesh(), None);
+        let mut draw = |scene: &Scene| {
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let drawn = mesh.draw(scene, &mut picture, &mut encoder);
+            self.queue.submit([encoder.finish()]);
+            drawn
+        };
+        scenes.iter().map(|scene| draw(scene)).collect()
+    }
+
+    fn mesh(&self) -> MeshGpu {
+        MeshGpu::new(&self.adapter, &self.device, &self.queue, wgpu::TextureFormat::Rgba8Unorm)
+    }
+
     fn target(&self, (width, height): (u32, u32)) -> wgpu::Texture {
         self.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
@@ -147,8 +175,12 @@ impl Card {
         })
     }
 
-    fn read_back(&self, mut encoder: wgpu::CommandEncoder, target: &wgpu::Texture) -> Vec<[f32; 4]> {
-        let bytes_per_row = 16 * target.width();
+    fn read_back(&self, encoder: wgpu::CommandEncoder, target: &wgpu::Texture) -> Vec<[f32; 4]> {
+        self.bytes(encoder, target, 16).chunks_exact(16).map(bytemuck::pod_read_unaligned).collect()
+    }
+
+    fn bytes(&self, mut encoder: wgpu::CommandEncoder, target: &wgpu::Texture, bytes_per_pixel: u32) -> Vec<u8> {
+        let bytes_per_row = bytes_per_pixel * target.width();
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: u64::from(bytes_per_row * target.height()),
@@ -166,6 +198,6 @@ impl Card {
         buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.expect("mapped"));
         self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the card answers");
         let mapped = buffer.slice(..).get_mapped_range().expect("mapped");
-        bytemuck::cast_slice::<u8, [f32; 4]>(&mapped).to_vec()
+        mapped.to_vec()
     }
 }

@@ -140,11 +140,11 @@ fn another_set_dropped_asks_before_unsaved_edits_are_left() {
     hands.session().edit("Choose one bounce", |document| document.set.separation.bounces = Some(1));
     let other = hands.folder.path().join("other");
     firstbounce::cli::unpack_demo(&other).unwrap();
-    hands.drop_files(&[other.clone()]);
+    hands.drop_files(std::slice::from_ref(&other));
     assert!(hands.sees("Save the changes to Blue corner?"));
     hands.click_button("Stay");
     assert_eq!(hands.session().document().set.bounces(), 1);
-    hands.drop_files(&[other.clone()]);
+    hands.drop_files(std::slice::from_ref(&other));
     hands.click_button("Do not save");
     assert_eq!(hands.session().document().set.folder, other);
 }

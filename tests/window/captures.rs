@@ -28,7 +28,7 @@ fn folder(hands: &Hands, names: &[&str]) -> PathBuf {
 fn a_folder_of_unnamed_files_is_assigned_by_hand() {
     let mut hands = Hands::new();
     let folder = folder(&hands, &["DSC0001.png", "DSC0002.png"]);
-    hands.drop_files(&[folder.clone()]);
+    hands.drop_files(std::slice::from_ref(&folder));
     assert!(hands.sees("2 files to add"));
     assert!(hands.sees("2 files do not say what they are"));
     for (file, colour) in [("DSC0001.png", "blue"), ("DSC0002.png", "green")] {

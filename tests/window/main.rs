@@ -17,5 +17,6 @@ mod rig;
 mod screenshots;
 mod separate;
 mod start;
+mod surface;
 mod views;
 mod whole;

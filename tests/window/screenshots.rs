@@ -7,6 +7,7 @@ use std::path::Path;
 use firstbounce::app::panels::PanelName;
 use firstbounce::app::results::{ShotName, When};
 use firstbounce::app::session::Open;
+use firstbounce::app::surface::LayerName;
 use firstbounce::app::views::Shown;
 use firstbounce_capture::set::Subject;
 
@@ -32,6 +33,12 @@ fn make_screenshots() {
 
     step(&mut hands, PanelName::Shape, Shown::Normals(When::After));
     save(&mut hands, "shape");
+
+    step(&mut hands, PanelName::Shape, Shown::Surface);
+    hands.wait_until("the surface in 3D", |session| {
+        session.surfaces.is_at_rest() && session.surfaces.layer(LayerName::After).is_some()
+    });
+    save(&mut hands, "surface");
 }
 
 fn photo(subject: Subject) -> Shown {

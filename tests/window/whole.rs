@@ -120,7 +120,7 @@ fn a_folder_of_names_that_tell_nothing_is_dropped_assigned_by_hand_and_solved() 
     for (file, light, colour) in UNNAMED {
         std::fs::copy(demo.join(format!("object/{light}-{colour}.png")), shoot.join(file)).unwrap();
     }
-    hands.drop_files(&[shoot.clone()]);
+    hands.drop_files(std::slice::from_ref(&shoot));
     hands.wait_to_see("6 files do not say what they are");
     for (file, light, colour) in UNNAMED {
         hands.name_by_hand(&format!("Light of {file}"), light);

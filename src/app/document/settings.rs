@@ -18,7 +18,7 @@ pub struct Settings {
     /// The other method, for comparison.
     pub nayar: NayarSettings,
     /// The scan that the surface is compared with.
-    pub reference: Option<ReferenceSettings>,
+    pub reference: Option<Box<ReferenceSettings>>,
 }
 
 /// Whether and how the set is also solved by Nayar's method; the numbers' defaults are those of the command line.

@@ -183,10 +183,9 @@ const ROWS: &[Row] = &[
     ("Overlap", |c| format!("{:.1} %", 100.0 * c.overlap)),
     ("Mean orientation error", |c| format!("{:.2} degrees", c.orientation_error_deg)),
     ("Rotation", |c| format!("{:.3} degrees", c.rotation_deg)),
-    ("Translation", |c| {
-        let [x, y, z]: [f64; 3] = c.translation_mm.into();
-        format!("{x:.3}, {y:.3}, {z:.3} mm")
-    }),
+    ("Translation along x", |c| format!("{:.4} mm", c.translation_mm.x)),
+    ("Translation along y", |c| format!("{:.4} mm", c.translation_mm.y)),
+    ("Translation along z", |c| format!("{:.4} mm", c.translation_mm.z)),
 ];
 
 fn table(ui: &mut Ui, outcome: &Outcome) {

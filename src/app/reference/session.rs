@@ -31,7 +31,7 @@ impl Session {
     /// Chooses the reference.
     pub fn load_reference(&mut self, source: ReferenceSource, unit: FileUnit) {
         self.edit("Load a reference", |document| {
-            document.settings.reference = Some(ReferenceSettings { source, unit, poses: None });
+            document.settings.reference = Some(Box::new(ReferenceSettings { source, unit, poses: None }));
         });
     }
 

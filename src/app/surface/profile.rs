@@ -134,7 +134,7 @@ pub fn plot(
     let points: usize = profile.lines.iter().map(|(_, lines)| lines.iter().map(Vec::len).sum::<usize>()).sum();
     let names: Vec<_> = profile.lines.iter().map(|(name, _)| name.title()).collect();
     let spoken = format!("Profile of {}, {points} points, {up} over {along}", names.join(", "));
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label(&spoken);
         if ui.button("Copy profile").on_hover_text("As a table, separated by tabs").clicked() {
             ui.copy_text(profile.table(unit));

@@ -1,6 +1,7 @@
 //! Meshes on the card: sent once, for as long as somebody holds them.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::{Arc, Weak};
 
 use eframe::wgpu;
@@ -35,15 +36,14 @@ impl Buffers {
     pub fn mesh(&mut self, device: &wgpu::Device, mesh: &Shared<Geometry>, edges: bool) -> Option<OnCard> {
         let key = Arc::as_ptr(&mesh.0) as usize;
         let index = wgpu::BufferUsages::INDEX;
-        if !self.meshes.contains_key(&key) {
-            let on_card = OnCard {
-                vertices: send(device, bytemuck::cast_slice(&mesh.vertices), wgpu::BufferUsages::VERTEX)?,
-                triangles: send(device, bytemuck::cast_slice(&mesh.triangles), index)?,
-                edges: None,
-            };
-            self.meshes.insert(key, (Arc::downgrade(&mesh.0), on_card));
-        }
-        let (_, on_card) = self.meshes.get_mut(&key)?;
+        let (_, on_card) = match self.meshes.entry(key) {
+            Entry::Occupied(there) => there.into_mut(),
+            Entry::Vacant(place) => {
+                let vertices = send(device, bytemuck::cast_slice(&mesh.vertices), wgpu::BufferUsages::VERTEX)?;
+                let triangles = send(device, bytemuck::cast_slice(&mesh.triangles), index)?;
+                place.insert((Arc::downgrade(&mesh.0), OnCard { vertices, triangles, edges: None }))
+            }
+        };
         if edges && on_card.edges.is_none() {
             on_card.edges = send(device, bytemuck::cast_slice(&mesh.edges), index);
         }

@@ -153,7 +153,7 @@ fn the_light_of_all_bounces_less_what_arrives_and_is_reflected_is_the_direct_lig
     let factors = &simulated.factors;
     let source: Vec<f64> = (0..factors.patches().len()).map(|i| 0.2 + 0.1 * (i % 7) as f64).collect();
     let options = BounceOptions { albedos: vec![ALBEDO], bounces: 1, relative_residual: 1e-10, ..Default::default() };
-    let (lit, _) = bounces(factors, &[source.clone()], &options, &Unwatched).unwrap();
+    let (lit, _) = bounces(factors, std::slice::from_ref(&source), &options, &Unwatched).unwrap();
     let arriving = factors.irradiance(&lit[0].all[..1], &Unwatched).unwrap();
     for ((all, arriving), source) in lit[0].all[0].iter().zip(&arriving[0]).zip(&source) {
         assert!((all - ALBEDO * arriving - ALBEDO * source).abs() < 1e-7);

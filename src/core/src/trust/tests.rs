@@ -215,7 +215,7 @@ proptest! {
 #[test]
 fn a_negative_bounce_1_is_told_in_words_and_no_percentage_of_it() {
     let mut negative = rig(&[1.0, 0.5], 0.1, 1e-3);
-    negative.lights.iter_mut().for_each(|light| light.mean[1] = 0.2 * light.mean[1]);
+    negative.lights.iter_mut().for_each(|light| light.mean[1] *= 0.2);
     let trust = judge(&negative, &of_order(2)).unwrap();
     assert_eq!(trust.level, Level::DoNotTrust);
     let words = said(&trust);
