@@ -17,6 +17,7 @@ pub mod preferences;
 pub mod reference;
 pub mod results;
 pub mod session;
+pub mod simulate;
 mod start;
 pub mod surface;
 pub mod theme;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use eframe::egui::{Button, RichText, ScrollArea, Ui};
 
+use super::commands::CommandId;
 use super::dialogs::Choose;
 use super::document::Recovered;
 use super::path_field::PathField;
@@ -56,6 +57,13 @@ impl StartScreen {
         }
         ui.label(
             "A corner of blue paint under three lamps in two colours, with its calibration balls: every step works at once.",
+        );
+        ui.add_space(8.0);
+        if ui.button("New simulated set...").clicked() {
+            session.request(CommandId::NewSimulatedSet);
+        }
+        ui.label(
+            "Photos of a shape or mesh with a truth to compare with, and what error a rig can be expected to have.",
         );
         ui.add_space(16.0);
 

@@ -1,7 +1,7 @@
 //! `firstbounce plan SCENE`
 
 use clap::Args;
-use firstbounce_capture::pipeline::simulate::{PlanGrid, plan_rig};
+use firstbounce_capture::pipeline::simulate::{PlanGrid, plan_advice, plan_rig};
 use firstbounce_core::lab::{Plan, PlanPoint};
 use serde::Serialize;
 
@@ -66,7 +66,8 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
     if args.print.json {
         print_json(&PlanWords::of(&plan, options.scene.name(), warnings))
     } else {
-        print(&text(&plan, options.scene.name()))
+        let advice = plan_advice(&plan, options.sensor.frames);
+        print(&format!("{}\n\n{advice}", text(&plan, options.scene.name())))
     }
 }
 

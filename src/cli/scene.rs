@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::bail;
 use clap::{Args, ValueEnum};
-use firstbounce_capture::mesh_file::read::{LengthScale, read_mesh};
+use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::simulate::{
     BallOptions, Exposure, LampOptions, LampPlaces, Measures, Scene, SimulateOptions,
 };
@@ -135,7 +135,7 @@ impl SceneArgs {
             frames: self.frames,
             ..Sensor::default()
         };
-        let black_level = self.black_level.unwrap_or_else(|| (sensor.white_level() / 128.0).round());
+        let black_level = self.black_level.unwrap_or_else(|| SimulateOptions::usual_black_level(sensor.white_level()));
         let options = SimulateOptions {
             name: format!("Simulated {}", scene.name()),
             scene,
@@ -163,14 +163,7 @@ impl SceneArgs {
         if !path.exists() && path.extension().is_none() && path.components().count() < 2 {
             bail!("there is no scene \"{}\"; take {}, or a mesh file", self.scene, Scene::BUILT_IN.join(", "));
         }
-        let file = read_mesh(path, self.unit.into())?;
-        let warnings = file.warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
-        let mut mesh = file.mesh;
-        if self.flip {
-            mesh.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
-        }
-        let name = path.file_stem().map_or_else(|| self.scene.clone(), |name| name.to_string_lossy().into_owned());
-        Ok((Scene::Mesh { name, mesh }, warnings))
+        Ok(Scene::read(path, self.unit.into(), self.flip)?)
     }
 
     fn lamps(&self) -> anyhow::Result<Vec<LampOptions>> {

@@ -16,6 +16,7 @@ mod results;
 mod rig;
 mod screenshots;
 mod separate;
+mod simulate;
 mod start;
 mod surface;
 mod views;

@@ -35,6 +35,7 @@ pub struct Target<'a> {
 #[expect(missing_docs, reason = "the table says what each does")]
 pub enum CommandId {
     OpenDemo,
+    NewSimulatedSet,
     CloseSet,
     Save,
     SaveAs,
@@ -188,6 +189,9 @@ const fn plain(
 pub static COMMANDS: &[Command] = &[
     plain(CommandId::OpenDemo, Menu::File, "Open the demo", None, always, |target| {
         target.chrome.open_set(target.session, Open::Demo);
+    }),
+    plain(CommandId::NewSimulatedSet, Menu::File, "New simulated set...", None, always, |target| {
+        target.chrome.simulated.open();
     }),
     plain(CommandId::CloseSet, Menu::File, "Open another set...", ctrl(Key::O), always, |target| {
         target.chrome.leave_set(target.session);

@@ -18,6 +18,8 @@ use super::results::{NO_PHOTOS, StageState, Step};
 use super::session::Session;
 use super::views::{Picture, Shown};
 
+pub(super) use part::part;
+
 /// The five steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PanelName {

@@ -8,6 +8,7 @@ use crate::app::device::DeviceWatch;
 use crate::app::dialogs::Choose;
 use crate::app::path_field::PathField;
 use crate::app::session::{Open, Session};
+use crate::app::simulate::NewSet;
 
 /// What is open around the panels.
 pub struct Chrome {
@@ -25,6 +26,8 @@ pub struct Chrome {
     pub help: HelpSheet,
     /// How long frames take.
     pub frame_times: FrameTimes,
+    /// What is to be simulated.
+    pub simulated: NewSet,
     /// What the window draws with.
     pub device: DeviceWatch,
     pub(super) focused: Option<Id>,
@@ -53,6 +56,7 @@ impl Default for Chrome {
             palette: Palette::default(),
             help: HelpSheet::default(),
             frame_times: FrameTimes::default(),
+            simulated: NewSet::default(),
             device: DeviceWatch::default(),
             focused: None,
             save_as: None,
@@ -122,6 +126,9 @@ impl Chrome {
             ui.label("Method: Liao, Huang, Yang, CVPR 2011.");
             ui.label(format!("Licence: {}", env!("CARGO_PKG_LICENSE")));
         });
+        if let Some(made) = self.simulated.ui(context, session) {
+            self.open_set(session, made);
+        }
         self.ask_where(context, session);
         self.ask_about_unsaved(context, session);
     }

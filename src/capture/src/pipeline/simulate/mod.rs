@@ -23,7 +23,7 @@ use crate::set::{CaptureSet, Subject};
 pub use error::SimulateError;
 pub use lamps::{LampOptions, LampPlace, LampPlaces, NoLamp};
 pub use options::{BallOptions, Exposure, Measures, Scene, SimulateOptions};
-pub use plan::{PlanGrid, plan_rig};
+pub use plan::{PlanGrid, plan_advice, plan_rig};
 pub use write::{RigWords, check_folder, write_simulated};
 
 /// More of the visible surface than this seen from behind is a mesh turned inside out.

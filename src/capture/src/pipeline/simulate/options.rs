@@ -1,10 +1,13 @@
 //! What is to be simulated.
 
+use std::path::Path;
+
 use firstbounce_core::Mesh;
 use firstbounce_core::lab::{Crosstalk, Lens, Sensor};
 use firstbounce_core::scene::Shape;
 
 use super::{LampOptions, SimulateError};
+use crate::mesh_file::read::{LengthScale, MeshError, read_mesh};
 
 /// The surface that is photographed.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +52,32 @@ impl Scene {
             "tray" => Shape::Tray { side_mm: size(100.0) },
             _ => return None,
         }))
+    }
+
+    /// The mesh of a file, called as the file is, and what a person should know of it. `flip` turns its faces the other way
+    /// round.
+    ///
+    /// # Errors
+    /// As [`read_mesh`].
+    pub fn read(path: &Path, unit: LengthScale, flip: bool) -> Result<(Self, Vec<String>), MeshError> {
+        let file = read_mesh(path, unit)?;
+        let warnings = file.warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
+        let mut mesh = file.mesh;
+        if flip {
+            mesh.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+        }
+        let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Ok((Self::Mesh { name, mesh }, warnings))
+    }
+
+    /// A built-in shape's main length in mm, as [`Measures`] takes it; `None` for a mesh.
+    pub fn size_mm(&self) -> Option<f64> {
+        match self {
+            Self::Shape(Shape::Corner { wall_mm, .. } | Shape::Groove { wall_mm, .. }) => Some(*wall_mm),
+            Self::Shape(Shape::Bowl { radius_mm, .. }) => Some(*radius_mm),
+            Self::Shape(Shape::Tray { side_mm }) => Some(*side_mm),
+            Self::Mesh { .. } => None,
+        }
     }
 
     /// What a person calls it.
@@ -154,6 +183,11 @@ impl SimulateOptions {
     /// Names for `count` colours: c1, c2, ..
     pub fn colour_names(count: usize) -> Vec<String> {
         (1..=count).map(|c| format!("c{c}")).collect()
+    }
+
+    /// Where no light is stored by a sensor that stores this much at most, unless a person says otherwise.
+    pub fn usual_black_level(white_level: f64) -> f64 {
+        (white_level / 128.0).round()
     }
 
     /// alpha of every lamp: what it gives, or what it makes up for the paint.

@@ -1,0 +1,103 @@
+//! What is computed anew off the UI thread whenever its options have changed and settled; the last outcome is shown
+//! meanwhile.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use eframe::egui::Context;
+use firstbounce_capture::pipeline::simulate::SimulateOptions;
+
+use crate::app::jobs::{Job, Jobs, Task};
+
+/// A drag over a number would start work at every step.
+const SETTLE: Duration = Duration::from_millis(300);
+
+/// The outcome of the options that are wanted, or of those before.
+pub struct Live<T> {
+    /// What has to settle, or waits for its turn, and since when.
+    waits: Option<(Arc<SimulateOptions>, f64)>,
+    task: Option<Task<T>>,
+    /// The options that `outcome` or `task` belong to, or will.
+    wanted: Option<Arc<SimulateOptions>>,
+    outcome: Option<Arc<T>>,
+    error: Option<String>,
+    is_stopped: bool,
+}
+
+impl<T> Default for Live<T> {
+    fn default() -> Self {
+        Self { waits: None, task: None, wanted: None, outcome: None, error: None, is_stopped: false }
+    }
+}
+
+impl<T: Send + 'static> Live<T> {
+    /// Asks for the outcome of these options.
+    pub fn want(&mut self, options: SimulateOptions, context: &Context) {
+        if self.wanted.as_deref() == Some(&options) {
+            return;
+        }
+        self.stop();
+        let options = Arc::new(options);
+        self.wanted = Some(options.clone());
+        self.waits = Some((options, context.input(|input| input.time)));
+        context.request_repaint_after(SETTLE);
+    }
+
+    /// Gives up what is at work; it begins again when it is wanted again.
+    pub fn stop(&mut self) {
+        self.is_stopped = true;
+        if let Some(task) = self.task.take() {
+            task.job().cancel();
+            self.waits = self.wanted.clone().map(|options| (options, f64::NEG_INFINITY));
+        }
+    }
+
+    /// Takes what is finished, and starts what has settled.
+    pub fn update(
+        &mut self,
+        context: &Context,
+        jobs: &mut Jobs,
+        name: &str,
+        work: impl FnOnce(&SimulateOptions, &Job) -> Result<T, String> + Send + 'static,
+    ) {
+        self.is_stopped = false;
+        if let Some(outcome) = self.task.as_ref().and_then(Task::poll) {
+            self.task = None;
+            self.error = None;
+            match outcome {
+                Ok(outcome) => self.outcome = Some(Arc::new(outcome)),
+                Err(line) => self.error = Some(line),
+            }
+        }
+        let Some((options, since)) = &self.waits else { return };
+        let left = SETTLE.as_secs_f64() - (context.input(|input| input.time) - since);
+        if left > 0.0 {
+            context.request_repaint_after(Duration::from_secs_f64(left));
+            return;
+        }
+        let options = options.clone();
+        self.waits = None;
+        self.error = None;
+        self.task = Some(jobs.start(name, move |job| work(&options, job)));
+    }
+
+    /// Whether nothing waits or is at work.
+    pub fn is_at_rest(&self) -> bool {
+        self.waits.is_none() && self.task.is_none()
+    }
+
+    /// Whether there will be another outcome without anybody's doing.
+    pub fn is_busy(&self) -> bool {
+        !self.is_at_rest() && !self.is_stopped
+    }
+
+    /// The last outcome.
+    pub fn outcome(&self) -> Option<&Arc<T>> {
+        self.outcome.as_ref()
+    }
+
+    /// Why there is none of what is wanted.
+    pub fn error(&self) -> Option<&str> {
+        self.error.as_deref()
+    }
+}

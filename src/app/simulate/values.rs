@@ -1,0 +1,195 @@
+//! What a person chooses, and the options it stands for.
+
+use firstbounce_capture::pipeline::simulate::{BallOptions, Exposure, LampOptions, Measures, Scene, SimulateOptions};
+use firstbounce_core::lab::{Lens, Sensor};
+
+use super::mesh::MeshChoice;
+use crate::app::document::FileUnit;
+
+/// Where a lens is put first: a few times as far as the built-in shapes are wide.
+const USUAL_DISTANCE_MM: f64 = 400.0;
+/// Of a new ring, as of the options' own.
+const USUAL_TILT_DEG: f64 = 20.0;
+
+/// What is photographed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SceneKind {
+    #[default]
+    Corner,
+    Groove,
+    Bowl,
+    Cap,
+    Tray,
+    Mesh,
+}
+
+impl SceneKind {
+    /// All, in the order of a choice.
+    pub const ALL: [Self; 6] = [Self::Corner, Self::Groove, Self::Bowl, Self::Cap, Self::Tray, Self::Mesh];
+
+    /// As a person reads it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Corner => "Corner",
+            Self::Groove => "Groove",
+            Self::Bowl => "Bowl",
+            Self::Cap => "Cap",
+            Self::Tray => "Tray",
+            Self::Mesh => "Mesh file",
+        }
+    }
+
+    /// What the size measures; `None` for a mesh, which has its own.
+    pub fn size_name(self) -> Option<&'static str> {
+        match self {
+            Self::Corner | Self::Groove => Some("Length of a wall"),
+            Self::Bowl | Self::Cap => Some("Radius of the sphere"),
+            Self::Tray => Some("Side of the tray"),
+            Self::Mesh => None,
+        }
+    }
+
+    /// What the angle measures, and what it is at first.
+    pub fn angle(self) -> Option<(&'static str, f64)> {
+        match self {
+            Self::Groove => Some(("Angle between the walls", 90.0)),
+            Self::Cap => Some(("Half angle of the cap", 60.0)),
+            _ => None,
+        }
+    }
+
+    /// The built-in shape of this kind; `None` for a mesh.
+    pub fn built_in(self, measures: Measures) -> Option<Scene> {
+        Scene::built_in(&self.title().to_lowercase(), measures)
+    }
+}
+
+/// What is chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    pub scene: SceneKind,
+    pub size_mm: f64,
+    pub angle_deg: f64,
+    pub unit: FileUnit,
+    pub flip: bool,
+    pub patches: usize,
+    pub albedos: Vec<f64>,
+    pub tilt_deg: f64,
+    /// Of each lamp of the ring.
+    pub intensities: Vec<f64>,
+    pub is_perspective: bool,
+    pub distance_mm: f64,
+    pub pixels: usize,
+    pub bits: u32,
+    pub frames: usize,
+    pub full_well: f64,
+    pub read_noise: f64,
+    /// Linear light of the brightest pixel.
+    pub exposure: f64,
+    pub balls: bool,
+    pub seed: u64,
+}
+
+impl Default for Values {
+    fn default() -> Self {
+        let options = SimulateOptions::default();
+        let exposure = match options.exposure {
+            Exposure::Brightest(light) | Exposure::White(light) => light,
+        };
+        let mut values = Self {
+            scene: SceneKind::default(),
+            size_mm: 0.0,
+            angle_deg: 0.0,
+            unit: FileUnit::default(),
+            flip: false,
+            patches: options.patches,
+            albedos: options.albedos,
+            tilt_deg: USUAL_TILT_DEG,
+            intensities: options.lamps.iter().map(|lamp| lamp.intensity).collect(),
+            is_perspective: false,
+            distance_mm: USUAL_DISTANCE_MM,
+            pixels: options.size_px,
+            bits: options.sensor.bits,
+            frames: options.sensor.frames,
+            full_well: options.sensor.full_well_electrons,
+            read_noise: options.sensor.read_noise_electrons,
+            exposure,
+            balls: options.balls.is_some(),
+            seed: options.sensor.seed,
+        };
+        values.take_measures();
+        values
+    }
+}
+
+impl Values {
+    /// Gives the shape its usual measures.
+    pub fn take_measures(&mut self) {
+        self.size_mm = self.scene.built_in(Measures::default()).and_then(|scene| scene.size_mm()).unwrap_or(0.0);
+        self.angle_deg = self.scene.angle().map_or(0.0, |(_, degrees)| degrees);
+    }
+
+    /// So many lamps on the ring; new ones are as strong as those of a new ring.
+    pub fn resize_ring(&mut self, count: usize) {
+        let fresh = LampOptions::ring(count, self.tilt_deg);
+        self.intensities.truncate(count);
+        self.intensities.extend(fresh.iter().skip(self.intensities.len()).map(|lamp| lamp.intensity));
+    }
+
+    /// The options that this stands for.
+    ///
+    /// # Errors
+    /// One line that says what to change.
+    pub fn options(&self, mesh: &MeshChoice) -> Result<SimulateOptions, String> {
+        let measures = Measures { size_mm: Some(self.size_mm), angle_deg: self.scene.angle().map(|_| self.angle_deg) };
+        let scene = self.scene.built_in(measures).map_or_else(|| mesh.scene(), Ok)?;
+        let mut lamps = LampOptions::ring(self.intensities.len(), self.tilt_deg);
+        lamps.iter_mut().zip(&self.intensities).for_each(|(lamp, intensity)| lamp.intensity = *intensity);
+        let sensor = Sensor {
+            full_well_electrons: self.full_well,
+            read_noise_electrons: self.read_noise,
+            bits: self.bits,
+            frames: self.frames,
+            seed: self.seed,
+            ..Sensor::default()
+        };
+        let black_level = SimulateOptions::usual_black_level(sensor.white_level());
+        let distance = Lens::Perspective { working_distance_mm: self.distance_mm };
+        let options = SimulateOptions {
+            name: format!("Simulated {}", scene.name()),
+            scene,
+            patches: self.patches,
+            colours: SimulateOptions::colour_names(self.albedos.len()),
+            lamps,
+            lens: if self.is_perspective { distance } else { Lens::Orthographic },
+            size_px: self.pixels,
+            sensor: Sensor { black_level, ..sensor },
+            exposure: Exposure::Brightest(self.exposure),
+            balls: self.balls.then(|| BallOptions::for_paint(&self.albedos)),
+            albedos: self.albedos.clone(),
+            ..SimulateOptions::default()
+        };
+        options.check().map_err(|error| error.to_string())?;
+        Ok(options)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_chosen_at_first_is_what_the_command_line_takes() {
+        let options = Values::default().options(&MeshChoice::default()).unwrap();
+        let own = SimulateOptions::default();
+        assert_eq!(options, SimulateOptions { sensor: options.sensor, ..own.clone() });
+        assert_eq!(options.sensor, Sensor { black_level: 512.0, ..own.sensor });
+    }
+
+    #[test]
+    fn a_mesh_that_was_not_chosen_is_asked_for() {
+        let values = Values { scene: SceneKind::Mesh, ..Values::default() };
+        let line = values.options(&MeshChoice::default()).unwrap_err();
+        assert!(line.contains("choose a mesh file"), "{line}");
+    }
+}
