@@ -133,7 +133,7 @@ impl Hands {
     }
 
     pub fn click_button(&mut self, label: &str) {
-        self.harness.get_by_role_and_label(Role::Button, label).click();
+        self.harness.get_by_role_and_label(Role::Button, label).click_accesskit();
         self.steps();
     }
 
