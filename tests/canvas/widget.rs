@@ -272,8 +272,9 @@ fn the_window_shows_what_the_twin_computes_on_both_sides_of_the_wipe() {
             for (x, y, pixel) in picture.enumerate_pixels() {
                 let at = [x as f32 + 0.5, y as f32 + 0.5];
                 let point = Pos2::new(at[0], at[1]) / density;
-                // Left out: the line itself with its grip, and the legend.
-                let covered = (at[0] - line).abs() < 12.0 || point.y > rect.bottom() - 60.0;
+                // Left out: the line itself with its grip, the legends below, and the names of the two above.
+                let is_named = point.y < rect.top() + 30.0;
+                let covered = (at[0] - line).abs() < 12.0 || point.y > rect.bottom() - 60.0 || is_named;
                 if covered || !seen.contains(point) || (at[0] > line) != (side == 1) {
                     continue;
                 }

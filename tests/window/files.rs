@@ -13,12 +13,12 @@ use serde_json::Value;
 use crate::harness::Hands;
 
 fn tick(hands: &mut Hands, label: &str) {
-    hands.harness.get_by_role_and_label(Role::CheckBox, label).click();
+    hands.harness.get_by_role_and_label(Role::CheckBox, label).click_accesskit();
     hands.steps();
 }
 
 fn choose(hands: &mut Hands, label: &str) {
-    hands.harness.get_by_role_and_label(Role::RadioButton, label).click();
+    hands.harness.get_by_role_and_label(Role::RadioButton, label).click_accesskit();
     hands.steps();
 }
 

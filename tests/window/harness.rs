@@ -132,6 +132,7 @@ impl Hands {
         self.harness.run_steps(2);
     }
 
+    /// As a screen reader presses it, wherever the panel is scrolled to.
     pub fn click_button(&mut self, label: &str) {
         self.harness.get_by_role_and_label(Role::Button, label).click_accesskit();
         self.steps();

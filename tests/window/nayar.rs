@@ -24,13 +24,7 @@ fn at_shape() -> Hands {
 }
 
 fn tick(hands: &mut Hands) {
-    hands.harness.get_by_role_and_label(Role::CheckBox, TICK).click();
-    hands.steps();
-}
-
-/// Clicks a button that may lie below the panel's edge, as a screen reader does.
-fn click_below(hands: &mut Hands, label: &str) {
-    hands.harness.get_by_role_and_label(Role::Button, label).click_accesskit();
+    hands.harness.get_by_role_and_label(Role::CheckBox, TICK).click_accesskit();
     hands.steps();
 }
 
@@ -75,8 +69,8 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     assert_eq!(found.shape.normals.map, solved.after.unwrap().shape.normals.map);
 
     // Its pictures compare with those of bounce 1.
-    click_below(&mut hands, "Show normals by Nayar's method");
-    click_below(&mut hands, "Show direct light by Nayar's method, left minus Bounce 1 with less noise, left");
+    hands.click_button("Show normals by Nayar's method");
+    hands.click_button("Show direct light by Nayar's method, left minus Bounce 1 with less noise, left");
     let document = hands.session().document();
     let by_both = Shown::Difference(Box::new(Shown::Albedo(When::Nayar)), Box::new(Shown::Albedo(When::After)));
     assert!(picture(&by_both, &document, &hands.session().results).is_ok());
@@ -101,7 +95,7 @@ fn the_truth_judges_both_methods_after_every_iteration() {
         document.set.calibration.grey_albedo = Some(0.6);
     });
     hands.rest();
-    click_below(&mut hands, "Compare with the truth");
+    hands.click_button("Compare with the truth");
     hands.wait_to_see("Normal error by Nayar's method, mean");
     assert!(hands.sees("Normal error, degrees: iteration 0: 15."));
 }

@@ -33,10 +33,13 @@ pub struct Shown {
     textures: Vec<(&'static str, TextureHandle)>,
 }
 
+/// A surface made ready, and the options it was made for.
+type Kept = (SimulateOptions, Arc<PreparedScene>);
+
 /// Keeps the form factors of the last surface: paint, lamps and sensor change without them.
 #[derive(Clone, Default)]
 pub struct Previewer {
-    last: Arc<Mutex<Option<(SimulateOptions, Arc<PreparedScene>)>>>,
+    last: Arc<Mutex<Option<Kept>>>,
 }
 
 /// The options of the preview. What it does not show is the same for all.
