@@ -13,6 +13,7 @@ pub mod log;
 mod number_field;
 pub mod panels;
 pub mod path_field;
+mod plate;
 pub mod preferences;
 pub mod reference;
 pub mod results;

@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use firstbounce_capture::OutputFolder;
-use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::mesh_file::{Quality, write_ply};
 use firstbounce_capture::pipeline::{Compared, Laying, compare_meshes, read_comparable};
 use firstbounce_core::Mesh;
@@ -14,6 +13,7 @@ use serde::Serialize;
 
 use super::progress::Terminal;
 use super::table::{row, table};
+use super::unit::Unit;
 use super::{PrintArgs, print, print_json, print_warnings};
 
 #[derive(Args, Debug)]
@@ -41,26 +41,6 @@ pub struct CompareArgs {
     heat_map: Option<PathBuf>,
     #[command(flatten)]
     print: PrintArgs,
-}
-
-/// The units of the command line.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Unit {
-    Mm,
-    Cm,
-    M,
-    Inch,
-}
-
-impl From<Unit> for LengthScale {
-    fn from(unit: Unit) -> Self {
-        match unit {
-            Unit::Mm => Self::Millimetre,
-            Unit::Cm => Self::Centimetre,
-            Unit::M => Self::Metre,
-            Unit::Inch => Self::Inch,
-        }
-    }
 }
 
 fn ply_path(text: &str) -> Result<PathBuf, String> {

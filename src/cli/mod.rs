@@ -16,6 +16,7 @@ mod scene;
 mod simulate;
 mod solve;
 mod table;
+mod unit;
 
 use std::path::PathBuf;
 

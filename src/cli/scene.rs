@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use anyhow::bail;
-use clap::{Args, ValueEnum};
-use firstbounce_capture::mesh_file::read::LengthScale;
+use clap::Args;
 use firstbounce_capture::pipeline::simulate::{
     BallOptions, Exposure, LampOptions, LampPlaces, Measures, Scene, SimulateOptions,
 };
 use firstbounce_core::lab::{Crosstalk, Lens, Sensor};
 use nalgebra::DMatrix;
+
+use super::unit::Unit;
 
 /// The scene, its paint, the lamps and the camera.
 #[derive(Args, Debug)]
@@ -78,26 +79,6 @@ pub struct SceneArgs {
 /// Numbers for one lamp.
 #[derive(Clone, Debug)]
 pub struct Numbers(pub Vec<f64>);
-
-/// The units of the command line.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Unit {
-    Mm,
-    Cm,
-    M,
-    Inch,
-}
-
-impl From<Unit> for LengthScale {
-    fn from(unit: Unit) -> Self {
-        match unit {
-            Unit::Mm => Self::Millimetre,
-            Unit::Cm => Self::Centimetre,
-            Unit::M => Self::Metre,
-            Unit::Inch => Self::Inch,
-        }
-    }
-}
 
 /// Numbers with commas between.
 pub fn numbers(text: &str) -> Result<Numbers, String> {

@@ -27,6 +27,7 @@ use eframe::egui::{
 };
 use eframe::egui_wgpu::Callback;
 
+use crate::app::plate::plate_in;
 use crate::gpu::{CanvasCallback, CanvasStatus, Display, Drawing, Resolution, Source};
 
 pub use navigation::PrimaryDrag;
@@ -192,8 +193,8 @@ impl<'a> Canvas<'a> {
                 self.paint_part(ui, right, transform, other);
                 self.paint_legend(&painter, rect, Align2::LEFT_BOTTOM, (self.source, self.display));
                 self.paint_legend(&painter, rect, Align2::RIGHT_BOTTOM, other);
-                overlay::plate(&painter, rect, Align2::LEFT_TOP, self.label);
-                overlay::plate(&painter, rect, Align2::RIGHT_TOP, self.other_label);
+                plate_in(&painter, rect, Align2::LEFT_TOP, self.label);
+                plate_in(&painter, rect, Align2::RIGHT_TOP, self.other_label);
                 let id = response.id.with("wipe");
                 wipe::handle(ui, id, rect, &mut self.state.wipe, &format!("Wipe, {}", self.label));
             }
@@ -201,12 +202,12 @@ impl<'a> Canvas<'a> {
                 self.paint_part(ui, rect, transform, shown);
                 self.paint_legend(&painter, rect, Align2::RIGHT_BOTTOM, shown);
                 if shows_other {
-                    overlay::plate(&painter, rect, Align2::LEFT_TOP, self.other_label);
+                    plate_in(&painter, rect, Align2::LEFT_TOP, self.other_label);
                 }
             }
         }
         if let Some(line) = self.reduced() {
-            overlay::plate(&painter, rect, Align2::CENTER_TOP, &line);
+            plate_in(&painter, rect, Align2::CENTER_TOP, &line);
         }
         let rim = ui.visuals().widgets.noninteractive.bg_stroke;
         painter.rect_stroke(transform.image_rect(), 0.0, rim, StrokeKind::Outside);

@@ -1,6 +1,6 @@
 //! What lies over the picture: the pixel grid and the numbers in the pixels.
 
-use eframe::egui::{Align2, Color32, FontId, Painter, Rect, Stroke};
+use eframe::egui::{Align2, Color32, FontId, Painter, Stroke};
 
 use super::view::Transform;
 use crate::gpu::{Display, Source, shade};
@@ -9,8 +9,6 @@ use crate::gpu::{Display, Source, shade};
 const GRID_FROM: f32 = 16.0;
 /// The same for numbers.
 const NUMBERS_FROM: f32 = 40.0;
-/// Points between a plate and the canvas' edge.
-const MARGIN: f32 = 10.0;
 
 /// Lines between the pixels, and their numbers, when they are large enough.
 pub fn close_up(painter: &Painter, transform: &Transform, source: &Source, display: &Display, background: [f32; 3]) {
@@ -39,14 +37,6 @@ pub fn close_up(painter: &Painter, transform: &Transform, source: &Source, displ
             }
         }
     }
-}
-
-/// A line on a dark plate: legible on any picture, in either theme.
-pub fn plate(painter: &Painter, canvas: Rect, corner: Align2, line: &str) {
-    let galley = painter.layout_no_wrap(line.to_owned(), FontId::proportional(12.0), Color32::from_gray(235));
-    let text = corner.align_size_within_rect(galley.size(), canvas.shrink(MARGIN));
-    painter.rect_filled(text.expand(4.0), 4.0, Color32::from_black_alpha(235));
-    painter.galley(text.min, galley, Color32::PLACEHOLDER);
 }
 
 /// Black or white, whichever stands out more (contrast ratio of WCAG 2.2).

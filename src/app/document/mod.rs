@@ -14,7 +14,7 @@ pub use disk::{DiskWatch, SaveError, VIEW_FILE, relocated};
 pub(crate) use disk::{read_view, write_view};
 pub use editor::Editor;
 pub use recovery::{Recovered, Recovery, save_everything_now};
-pub use reference::{FileUnit, Pose, Poses, ReferenceSettings, ReferenceSource};
+pub use reference::{Pose, Poses, ReferenceSettings, ReferenceSource};
 pub use settings::{NayarSettings, Settings, ShapeSettings};
 
 /// Everything that a person edits and that undo brings back. Small: photos and results are elsewhere.

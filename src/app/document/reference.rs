@@ -13,7 +13,7 @@ pub struct ReferenceSettings {
     pub source: ReferenceSource,
     /// What one unit of its file is.
     #[serde(default)]
-    pub unit: FileUnit,
+    pub unit: LengthScale,
     /// Where the surfaces lie on it; `None` while nobody aligned them.
     #[serde(default)]
     pub poses: Option<Poses>,
@@ -26,46 +26,6 @@ pub enum ReferenceSource {
     Truth,
     /// A mesh file, or another set with a truth.
     File(PathBuf),
-}
-
-/// What one unit of a file's coordinates is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum FileUnit {
-    /// 1 mm.
-    #[default]
-    Millimetre,
-    /// 10 mm.
-    Centimetre,
-    /// 1000 mm.
-    Metre,
-    /// 25.4 mm.
-    Inch,
-}
-
-impl FileUnit {
-    /// All, in the order of a choice.
-    pub const ALL: [Self; 4] = [Self::Millimetre, Self::Centimetre, Self::Metre, Self::Inch];
-
-    /// What it is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Millimetre => "mm",
-            Self::Centimetre => "cm",
-            Self::Metre => "m",
-            Self::Inch => "inches",
-        }
-    }
-}
-
-impl From<FileUnit> for LengthScale {
-    fn from(unit: FileUnit) -> Self {
-        match unit {
-            FileUnit::Millimetre => Self::Millimetre,
-            FileUnit::Centimetre => Self::Centimetre,
-            FileUnit::Metre => Self::Metre,
-            FileUnit::Inch => Self::Inch,
-        }
-    }
 }
 
 /// Motions that lay the surfaces onto the reference.

@@ -2,12 +2,13 @@
 
 use eframe::egui::{Button, ComboBox, Grid, ProgressBar, RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Bar, BarChart, Line, Plot, Points};
+use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::Compared;
 use firstbounce_core::compare::{Comparison, Start};
 
 use super::part;
 use crate::app::dialogs::Choose;
-use crate::app::document::{Document, FileUnit, ReferenceSource};
+use crate::app::document::{Document, ReferenceSource};
 use crate::app::path_field::PathField;
 use crate::app::reference::{How, Outcome};
 use crate::app::session::Session;
@@ -22,7 +23,7 @@ const LEFT_OUT: f64 = 0.005;
 #[derive(Default)]
 pub struct ReferencePanel {
     path: PathField,
-    unit: FileUnit,
+    unit: LengthScale,
 }
 
 impl ReferencePanel {
@@ -42,7 +43,7 @@ impl ReferencePanel {
     fn choose(&mut self, ui: &mut Ui, session: &mut Session, document: &Document) {
         let before = self.unit;
         ComboBox::from_label("Unit of the reference file").selected_text(self.unit.name()).show_ui(ui, |ui| {
-            for unit in FileUnit::ALL {
+            for unit in LengthScale::ALL {
                 ui.selectable_value(&mut self.unit, unit, unit.name());
             }
         });
@@ -61,7 +62,7 @@ impl ReferencePanel {
                 path = Some(typed.into());
             }
             if document.set.truth_depth().is_file() && ui.button("Use this set's own truth").clicked() {
-                session.load_reference(ReferenceSource::Truth, FileUnit::Millimetre);
+                session.load_reference(ReferenceSource::Truth, LengthScale::Millimetre);
             }
             if document.settings.reference.is_some() && ui.button("Remove reference").clicked() {
                 session.edit("Remove the reference", |document| document.settings.reference = None);

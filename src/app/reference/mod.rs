@@ -4,6 +4,7 @@ mod compare;
 mod pairs;
 mod session;
 
+use firstbounce_capture::mesh_file::read::LengthScale;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -12,7 +13,7 @@ use firstbounce_capture::pipeline::{read_comparable, truth_mesh};
 use firstbounce_capture::set::{Projection, Truth};
 use firstbounce_core::Mesh;
 
-use super::document::{Document, FileUnit, Poses, ReferenceSource};
+use super::document::{Document, Poses, ReferenceSource};
 use super::jobs::{Job, Jobs, Task};
 use super::results::Meshes;
 use super::surface::{LayerName, Prepared, thousands};
@@ -35,7 +36,7 @@ pub struct Loaded {
 #[derive(Clone, Debug, PartialEq)]
 struct LoadKey {
     source: ReferenceSource,
-    unit: FileUnit,
+    unit: LengthScale,
     /// For the set's own truth: which files, seen by which camera.
     truth: Option<(PathBuf, Truth, Projection)>,
 }
@@ -184,7 +185,7 @@ fn load(key: &LoadKey, set: &CaptureSet) -> Result<Loaded, String> {
         ReferenceSource::Truth => ("the set's own truth".into(), (truth_mesh(set).map_err(|e| line(&e))?, Vec::new())),
         ReferenceSource::File(path) => {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-            (name, read_comparable(path, key.unit.into()).map_err(|error| line(&error))?)
+            (name, read_comparable(path, key.unit).map_err(|error| line(&error))?)
         }
     };
     let size = mesh.bounds().map(|(low, high)| high - low).unwrap_or_default();

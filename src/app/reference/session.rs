@@ -1,10 +1,11 @@
 //! The reference and the open set.
 
+use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_core::compare::Start;
 use nalgebra::{Isometry3, Point3};
 
 use super::{How, News, Pairs};
-use crate::app::document::{FileUnit, ReferenceSettings, ReferenceSource};
+use crate::app::document::{ReferenceSettings, ReferenceSource};
 use crate::app::session::Session;
 use crate::app::surface::Shade;
 use crate::app::views::Shown;
@@ -29,7 +30,7 @@ impl Session {
     }
 
     /// Chooses the reference.
-    pub fn load_reference(&mut self, source: ReferenceSource, unit: FileUnit) {
+    pub fn load_reference(&mut self, source: ReferenceSource, unit: LengthScale) {
         self.edit("Load a reference", |document| {
             document.settings.reference = Some(Box::new(ReferenceSettings { source, unit, poses: None }));
         });

@@ -8,10 +8,10 @@ use eframe::egui::{ComboBox, Grid, RichText, Ui};
 use super::mesh::MeshChoice;
 use super::values::{SceneKind, Values};
 use crate::app::dialogs::Choose;
-use crate::app::document::FileUnit;
 use crate::app::number_field::up_to;
 use crate::app::panels::part;
 use crate::app::session::Session;
+use firstbounce_capture::mesh_file::read::LengthScale;
 
 const MOST_COLOURS: usize = 8;
 const MOST_LAMPS: usize = 32;
@@ -83,7 +83,7 @@ fn mesh_file(ui: &mut Ui, values: &mut Values, mesh: &mut MeshChoice, session: &
             chosen = Some(Path::new(mesh.field.text.trim()).to_owned());
         }
         ComboBox::from_label("Unit of the mesh").width(70.0).selected_text(values.unit.name()).show_ui(ui, |ui| {
-            for unit in FileUnit::ALL {
+            for unit in LengthScale::ALL {
                 ui.selectable_value(&mut values.unit, unit, unit.name());
             }
         });

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use firstbounce_capture::pipeline::simulate::Scene;
 
 use super::values::{SceneKind, Values};
-use crate::app::document::FileUnit;
 use crate::app::jobs::Task;
 use crate::app::path_field::PathField;
 use crate::app::session::Session;
+use firstbounce_capture::mesh_file::read::LengthScale;
 
 /// A file, what one unit of it is, and whether its faces are turned round.
-type Wanted = (PathBuf, FileUnit, bool);
+type Wanted = (PathBuf, LengthScale, bool);
 
 /// The mesh of the file that was chosen.
 #[derive(Default)]
@@ -57,9 +57,10 @@ impl MeshChoice {
             self.generation += 1;
         }
         if let (Some((path, unit, flip)), None, None) = (self.wanted.clone(), &self.task, &self.read) {
-            self.task = Some(session.jobs.start("Read the mesh", move |_| {
-                Scene::read(&path, unit.into(), flip).map_err(|error| error.to_string())
-            }));
+            self.task =
+                Some(session.jobs.start("Read the mesh", move |_| {
+                    Scene::read(&path, unit, flip).map_err(|error| error.to_string())
+                }));
         }
     }
 

@@ -4,7 +4,7 @@ use firstbounce_capture::pipeline::simulate::{BallOptions, Exposure, LampOptions
 use firstbounce_core::lab::{Lens, Sensor};
 
 use super::mesh::MeshChoice;
-use crate::app::document::FileUnit;
+use firstbounce_capture::mesh_file::read::LengthScale;
 
 /// Where a lens is put first: a few times as far as the built-in shapes are wide.
 const USUAL_DISTANCE_MM: f64 = 400.0;
@@ -70,7 +70,7 @@ pub struct Values {
     pub scene: SceneKind,
     pub size_mm: f64,
     pub angle_deg: f64,
-    pub unit: FileUnit,
+    pub unit: LengthScale,
     pub flip: bool,
     pub patches: usize,
     pub albedos: Vec<f64>,
@@ -100,7 +100,7 @@ impl Default for Values {
             scene: SceneKind::default(),
             size_mm: 0.0,
             angle_deg: 0.0,
-            unit: FileUnit::default(),
+            unit: LengthScale::default(),
             flip: false,
             patches: options.patches,
             albedos: options.albedos,

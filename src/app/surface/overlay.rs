@@ -1,8 +1,9 @@
 //! What is drawn over a 3D view: scale bar, axes, picked points.
 
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, pos2, vec2};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
 use nalgebra::Point3;
 
+use crate::app::plate::plate;
 use crate::gpu::mesh::Frame;
 
 const MARGIN: f32 = 12.0;
@@ -101,17 +102,6 @@ pub fn crosshair(painter: &Painter, rect: Rect, ink: Color32) {
     for arm in [vec2(8.0, 0.0), vec2(0.0, 8.0)] {
         painter.line_segment([middle - arm, middle + arm], Stroke::new(1.0, ink));
     }
-}
-
-/// Words on a dark plate: legible on any surface, in either theme.
-fn plate(painter: &Painter, at: Pos2, align: Align2, words: &str) {
-    if words.is_empty() {
-        return;
-    }
-    let text = painter.layout_no_wrap(words.to_owned(), FontId::proportional(12.0), Color32::from_gray(240));
-    let frame = align.anchor_size(at, text.size() + vec2(8.0, 4.0));
-    painter.rect_filled(frame, 3.0, Color32::from_black_alpha(190));
-    painter.galley(pos2(frame.left() + 4.0, frame.top() + 2.0), text, Color32::WHITE);
 }
 
 /// The size of a view in whole physical pixels, and its top left corner.

@@ -1,7 +1,7 @@
 //! One view: its tool bar, its canvas, and what panels draw over it.
 
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
-use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, RichText, Role, TextStyle, Ui, WidgetInfo, vec2};
+use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, RichText, Role, Ui, WidgetInfo, vec2};
 use firstbounce_core::photo::{CLIPPED, DARK};
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
@@ -10,6 +10,7 @@ use super::{Arrange, Hover, Shown, View, picker};
 use crate::app::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
 use crate::app::number_field::up_to;
 use crate::app::panels::{Over, Panels};
+use crate::app::plate::{plate, plate_in};
 use crate::app::session::Session;
 use crate::app::surface;
 use crate::gpu::{ColourMap, Display};
@@ -165,12 +166,12 @@ fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
 fn compared(ui: &Ui, view: &View, response: &CanvasResponse) {
     let Some(other) = &view.against else { return };
     let (own, other) = (view.shown.title(), other.title());
-    let canvas = response.transform.rect.shrink(6.0);
+    let canvas = response.transform.rect;
     let words = match (response.shows_other, view.wipe) {
         (true, _) => format!("Shows {other}"),
         (false, true) => format!("Left of the line {own}, right of the line {other}"),
         (false, false) => {
-            caption(ui, canvas, Align2::CENTER_TOP, &format!("Hold B for {other}"));
+            plate_in(&ui.painter_at(canvas), canvas, Align2::CENTER_TOP, &format!("Hold B for {other}"));
             format!("B, held, shows the other: {other}")
         }
     };
@@ -190,23 +191,11 @@ fn tints(ui: &Ui, view: &View, display: &Display, canvas: Rect) {
     let mut corner = canvas.shrink(8.0).left_bottom();
     for (mark, words) in marks.iter().rev().filter(|(mark, _)| tint(*mark).strength > 0.0) {
         let [red, green, blue] = tint(*mark).colour;
-        let line = Rect::from_min_max(corner - vec2(0.0, 18.0), corner + vec2(canvas.width() / 2.0, 0.0));
-        let plate = caption(ui, line, Align2::LEFT_BOTTOM, &format!("     {words}"));
+        let plate = plate(&ui.painter_at(canvas), corner, Align2::LEFT_BOTTOM, &format!("     {words}"));
         let swatch = Rect::from_center_size(plate.left_center() + vec2(11.0, 0.0), vec2(9.0, 9.0));
         ui.painter_at(canvas).rect_filled(swatch, 2.0, Color32::from_rgb(red, green, blue));
         corner.y -= plate.height() + 2.0;
     }
-}
-
-/// Words on a plate of their own: legible on any picture, in either theme.
-fn caption(ui: &Ui, canvas: Rect, corner: Align2, words: &str) -> Rect {
-    let font = TextStyle::Small.resolve(ui.style());
-    let painter = ui.painter_at(canvas);
-    let text = painter.layout_no_wrap(words.to_owned(), font, Color32::from_gray(235));
-    let plate = corner.align_size_within_rect(text.size() + vec2(10.0, 4.0), canvas);
-    painter.rect_filled(plate, 3.0, Color32::from_black_alpha(200));
-    painter.galley(plate.min + vec2(5.0, 2.0), text, Color32::WHITE);
-    plate
 }
 
 fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, panels: &mut Panels) {

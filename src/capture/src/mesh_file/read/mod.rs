@@ -10,12 +10,13 @@ mod stl;
 use std::path::Path;
 
 use firstbounce_core::Mesh;
+use serde::{Deserialize, Serialize};
 
 pub use error::{MeshError, MeshProblem, MeshWarning};
 pub use sniff::MeshFormat;
 
 /// What one unit of a file's coordinates is. No mesh format but glTF says so itself: the person must.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LengthScale {
     /// 1 mm.
     #[default]
@@ -29,6 +30,19 @@ pub enum LengthScale {
 }
 
 impl LengthScale {
+    /// All, in the order of a choice.
+    pub const ALL: [Self; 4] = [Self::Millimetre, Self::Centimetre, Self::Metre, Self::Inch];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Millimetre => "mm",
+            Self::Centimetre => "cm",
+            Self::Metre => "m",
+            Self::Inch => "inches",
+        }
+    }
+
     /// The length of one unit.
     pub fn millimetres(self) -> f64 {
         match self {
