@@ -117,7 +117,7 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
             Ok(value(turned, ColourMap::Viridis, "Angle between normals, degrees", &masked))
         }
-        Shown::Surface => Err("a surface in 3D is no picture: choose one".into()),
+        Shown::Surface => Err("Numbers are read off pictures: choose one in a view. Points, distances and sections of a surface are in its own bar.".into()),
         Shown::Difference(a, b) => {
             let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
             let source = Source::difference(first, second).map_err(|error| error.to_string())?;
