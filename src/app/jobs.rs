@@ -12,6 +12,9 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// Steps of progress that are worth a repaint.
 const STEPS: f32 = 100.0;
+/// Of threads that compute: a frame of the window comes first, and alone they get all of the machine.
+#[cfg(target_os = "linux")]
+const NICENESS: i32 = 10;
 
 /// One piece of work: what it is called, how far it is, whether it should stop.
 pub struct Job {
@@ -94,6 +97,20 @@ pub fn drop_aside<T: Send + 'static>(large: T) {
     let _ = std::thread::Builder::new().name("drop".into()).spawn(move || drop(large));
 }
 
+/// Lets the threads that compute stand back behind the one that draws, on systems that tell threads apart. Once, before
+/// anything is computed; work that has begun keeps its threads as they are.
+pub fn let_workers_stand_back() {
+    let pool = rayon::ThreadPoolBuilder::new().start_handler(|_| stand_back());
+    // A pool that is there already only computes more eagerly.
+    let _ = pool.build_global();
+}
+
+/// Where it is refused the thread goes on as it was.
+fn stand_back() {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::setpriority_process(None, NICENESS);
+}
+
 /// Every job that runs.
 pub struct Jobs {
     running: Vec<Weak<Job>>,
@@ -123,6 +140,7 @@ impl Jobs {
         let (sender, outcome) = mpsc::channel();
         let at_work = job.clone();
         std::thread::spawn(move || {
+            stand_back();
             // Dropped last, also when the work panics: whoever wakes finds the outcome there and the job gone.
             let _wake = WakeOnDrop(at_work.wake.clone());
             let (sender, at_work) = (sender, at_work);

@@ -14,6 +14,7 @@ use eframe::{App, CreationContext, NativeOptions, egui_wgpu, wgpu};
 use super::device::{AfterLoss, Losses};
 use super::dialogs::SystemDialogs;
 use super::document::save_everything_now;
+use super::jobs::let_workers_stand_back;
 use super::preferences::Folders;
 use super::session::Open;
 use super::window::Window;
@@ -46,6 +47,7 @@ pub fn run(start: Start) -> anyhow::Result<()> {
         super::document::Editor::open(path)?;
     }
     guard_document();
+    let_workers_stand_back();
     let kept = Kept::default();
     let mut losses = Losses::default();
     let mut again = true;

@@ -5,10 +5,12 @@ mod depends;
 mod finished;
 mod live;
 mod nayar;
+mod outcome;
 mod pictures;
 mod run;
 mod stage;
 
+use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -27,6 +29,7 @@ pub use run::{Loaded, LoadedShot, Shapes};
 pub use stage::{StageState, Step};
 
 use depends::Keys;
+use outcome::Outcome;
 use pictures::Batch;
 use stage::Slot;
 
@@ -80,22 +83,13 @@ pub struct Results {
     /// Counts the requests to read every file anew.
     reloads: u64,
     settling: Option<(Arc<Document>, Instant)>,
-}
-
-/// What a stage's job gives.
-enum Outcome {
-    Load(depends::LoadKey, Result<(Loaded, Batch), String>),
-    Measure(depends::MeasureKey, Result<Calibration, String>),
-    Calibrate(depends::CalibrateKey, Result<Calibration, String>),
-    Separate(depends::SeparateKey, Result<(Separated, Batch), String>),
-    Shape(depends::ShapeKey, Result<Box<(Shapes, Batch)>, String>),
-    Mesh(depends::MeshKey, Result<Meshes, String>),
-    Nayar(depends::NayarKey, Result<Box<(ByNayar, Batch)>, String>),
+    /// The keys that were asked for last: every panel asks for them in every frame.
+    keys: RefCell<Option<(Document, Arc<Keys>)>>,
 }
 
 struct Running {
     step: Step,
-    keys: Keys,
+    keys: Arc<Keys>,
     task: Task<Outcome>,
     /// Whether an edit cancelled it, and not a person.
     superseded: bool,
@@ -153,7 +147,7 @@ impl Results {
 
     /// How a stage stands with respect to this document.
     pub fn state(&self, step: Step, document: &Document) -> StageState {
-        let keys = Keys::of(document, self);
+        let keys = self.keys(document);
         if let Some(running) = self.running.as_ref().filter(|running| running.step == step && running.keys == keys) {
             return StageState::Running { fraction: running.task.job().fraction() };
         }
@@ -180,6 +174,7 @@ impl Results {
     /// Reads every file anew.
     pub fn reload(&mut self) {
         self.reloads += 1;
+        self.keys.take();
     }
 
     /// Tries again what failed or was cancelled.
@@ -191,6 +186,7 @@ impl Results {
         self.shape.retry();
         self.mesh.retry();
         self.nayar.retry();
+        self.keys.take();
     }
 
     /// Forgets everything: another set was opened.
@@ -205,7 +201,7 @@ impl Results {
     /// Takes what is finished and starts what is stale. Once a frame; `log` is told of every stage that ended.
     pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(Level, String)) -> Next {
         self.take_finished(log);
-        let keys = Keys::of(document, self);
+        let keys = self.keys(document);
         if let Some(running) = &mut self.running {
             if running.keys.upto(running.step) != keys.upto(running.step) {
                 running.superseded = true;
@@ -243,7 +239,19 @@ impl Results {
 
     /// Whether every stage that can be computed is.
     pub fn is_at_rest(&self, document: &Document) -> bool {
-        self.running.is_none() && self.first_stale(&Keys::of(document, self)).is_none()
+        self.running.is_none() && self.first_stale(&self.keys(document)).is_none()
+    }
+
+    fn keys(&self, document: &Document) -> Arc<Keys> {
+        let mut known = self.keys.borrow_mut();
+        match &*known {
+            Some((of, keys)) if of == document => keys.clone(),
+            _ => {
+                let keys = Arc::new(Keys::of(document, self));
+                *known = Some((document.clone(), keys.clone()));
+                keys
+            }
+        }
     }
 
     fn first_stale(&self, keys: &Keys) -> Option<Step> {
@@ -324,14 +332,15 @@ impl Results {
         let Some(outcome) = running.task.poll() else { return };
         let cancelled = running.task.job().is_cancelled();
         let Some(Running { step, keys, superseded, .. }) = self.running.take() else { return };
+        self.keys.take();
         if superseded {
             drop_aside(outcome);
             return;
         }
         let outcome = match outcome {
-            _ if cancelled => Outcome::lost(step, keys, CANCELLED.into()),
+            _ if cancelled => Outcome::lost(step, &keys, CANCELLED.into()),
             Ok(outcome) => outcome,
-            Err(line) => Outcome::lost(step, keys, line),
+            Err(line) => Outcome::lost(step, &keys, line),
         };
         if let Some(line) = outcome.error() {
             log(Level::Error, format!("{step}: {line}"));
@@ -367,45 +376,6 @@ impl Results {
                 "tick \"Also solve by Nayar's method\" in Shape to see this".into()
             }
             _ => "the step before is not done yet".into(),
-        }
-    }
-}
-
-impl Outcome {
-    /// The outcome of a job that never answered.
-    fn lost(step: Step, keys: Keys, line: String) -> Self {
-        let lost = line;
-        match (step, keys) {
-            (Step::Measure, Keys { measure: Some(key), .. }) => Self::Measure(key, Err(lost)),
-            (Step::Calibrate, Keys { calibrate: Some(key), .. }) => Self::Calibrate(key, Err(lost)),
-            (Step::Separate, Keys { separate: Some(key), .. }) => Self::Separate(key, Err(lost)),
-            (Step::Shape, Keys { shape: Some(key), .. }) => Self::Shape(key, Err(lost)),
-            (Step::Mesh, Keys { mesh: Some(key), .. }) => Self::Mesh(key, Err(lost)),
-            (Step::Nayar, Keys { nayar: Some(key), .. }) => Self::Nayar(key, Err(lost)),
-            (_, Keys { load, .. }) => Self::Load(load, Err(lost)),
-        }
-    }
-
-    /// What a person should know before trusting the result.
-    fn warnings(&self) -> &[String] {
-        match self {
-            Self::Load(_, Ok((loaded, _))) => &loaded.warnings,
-            Self::Calibrate(_, Ok(calibration)) => &calibration.calibrated.warnings,
-            Self::Nayar(_, Ok(found)) => &found.0.warnings,
-            _ => &[],
-        }
-    }
-
-    fn error(&self) -> Option<&str> {
-        match self {
-            Self::Load(_, Err(line))
-            | Self::Measure(_, Err(line))
-            | Self::Calibrate(_, Err(line))
-            | Self::Separate(_, Err(line))
-            | Self::Shape(_, Err(line))
-            | Self::Mesh(_, Err(line))
-            | Self::Nayar(_, Err(line)) => Some(line),
-            _ => None,
         }
     }
 }

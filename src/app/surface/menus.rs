@@ -125,5 +125,4 @@ pub fn eye_menu(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Sess
     ui.radio_value(&mut look.lens, Lens::Perspective, "Perspective");
     ui.radio_value(&mut look.lens, Lens::Orthographic, "Orthographic");
     ui.checkbox(&mut look.turntable, "Turntable");
-    ui.separator();
 }

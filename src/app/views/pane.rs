@@ -51,10 +51,8 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
     });
     if view.shown == Shown::Surface {
         surface::toolbar(ui, view.id, &mut view.surface, &document, session);
-        ui.menu_button("View", |ui| {
-            surface::eye_menu(ui, view.id, &mut view.surface, session);
-            arrange_menu(ui, view.id, session);
-        });
+        ui.menu_button("Look from", |ui| surface::eye_menu(ui, view.id, &mut view.surface, session));
+        ui.menu_button("Arrange", |ui| arrange_menu(ui, view.id, session));
         return;
     }
     let against = view.against.as_ref().map_or("Compare".into(), |other| format!("Compare: {}", other.title()));

@@ -36,16 +36,18 @@ impl Cursor {
             return;
         };
         for (group, entries) in entries(document) {
-            let known: Vec<_> = entries
-                .into_iter()
-                .filter(|entry| entry.subject() == shown.subject())
-                .filter_map(|entry| Some((entry.title(), values(&entry, (*x, *y), document, session)?)))
-                .collect();
-            if known.is_empty() {
+            let of_subject: Vec<_> = entries.into_iter().filter(|entry| entry.subject() == shown.subject()).collect();
+            if of_subject.is_empty() {
                 continue;
             }
             let open = shown.light().is_none_or(|light| group.ends_with(light)) || !group.starts_with("Light");
+            // What is folded away is not computed.
             CollapsingHeader::new(&group).default_open(open).show(ui, |ui| {
+                let value = |entry: &Shown| Some((entry.title(), values(entry, (*x, *y), document, session)?));
+                let known: Vec<_> = of_subject.iter().filter_map(value).collect();
+                if known.is_empty() {
+                    ui.label("No value here yet.");
+                }
                 Grid::new(&group).num_columns(2).striped(true).show(ui, |ui| {
                     for (title, value) in known {
                         ui.label(title);
