@@ -103,6 +103,12 @@ impl Session {
         self.editor.edit(name, change);
     }
 
+    /// Shows a photo of the set, as when it is opened: for photos that come into a set without any.
+    pub fn show_first_photo(&mut self) {
+        let first = first_view(&self.document());
+        self.views.show(first);
+    }
+
     /// Everything that keeps the set from being solved.
     pub fn problems(&self) -> &[Problem] {
         self.editor.problems()

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use firstbounce::gpu::mesh::{
-    Ball, Camera, Geometry, LayerDrawing, Lens, PlaneDrawing, Scene, Shading, Shared, StandardView,
+    Bounds, Camera, Geometry, LayerDrawing, Lens, PlaneDrawing, Scene, Shading, Shared, StandardView,
 };
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::LengthUnit;
@@ -52,14 +52,14 @@ fn hill_of(cells: u32) -> Mesh {
 /// The hill from a named side.
 fn scene(lens: Lens, view: StandardView) -> Scene {
     let geometry = Arc::new(Geometry::new(&hill()).unwrap());
-    let ball = geometry.ball;
-    scene_of(vec![LayerDrawing::new(geometry)], ball, lens, view)
+    let bounds = geometry.bounds;
+    scene_of(vec![LayerDrawing::new(geometry)], bounds, lens, view)
 }
 
-fn scene_of(layers: Vec<LayerDrawing>, ball: Ball, lens: Lens, view: StandardView) -> Scene {
+fn scene_of(layers: Vec<LayerDrawing>, bounds: Bounds, lens: Lens, view: StandardView) -> Scene {
     let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);
-    let camera = Camera::fitted(&ball, view, lens, aspect);
-    let frame = camera.frame(SIZE.map(f64::from), &ball);
+    let camera = Camera::fitted(&bounds, view, lens, aspect);
+    let frame = camera.frame(SIZE.map(f64::from), &bounds);
     Scene { size_px: SIZE, frame, layers, background: [0.1, 0.1, 0.12], plane: None }
 }
 
@@ -129,7 +129,7 @@ fn layers_hide_each_other_by_depth_and_wear_wire_and_section() {
     let mut before = LayerDrawing::new(geometry.clone());
     before.world_from_mesh = Isometry3::new(Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.25, 0.0, 0.0));
     (before.base, before.shading) = (Some([0.3, 0.75, 0.85]), Shading::Matcap);
-    let mut scene = scene_of(vec![after, before], geometry.ball, Lens::Orthographic, StandardView::Corner);
+    let mut scene = scene_of(vec![after, before], geometry.bounds, Lens::Orthographic, StandardView::Corner);
     check("mesh-layers", &scene);
     scene.layers = vec![LayerDrawing::new(Arc::new(Geometry::new(&hill_of(12)).unwrap()))];
     scene.layers[0].wire = Some([0.0, 0.0, 0.0, 0.8]);
@@ -146,7 +146,7 @@ fn the_middle_of_the_front_view_has_the_colour_of_its_normal() {
     let drawn = card.draw_scene(&scene);
     // In the corner, beyond hill and ring, the surface is flat and rises by 0.1 to the right.
     let expected = Vector3::new(-0.1, 0.0, 1.0).normalize().map(|component: f64| 127.5 + 127.5 * component);
-    let ball = scene.layers[0].geometry.ball;
+    let bounds = scene.layers[0].geometry.bounds;
     let [x, y, _] = scene.frame.project(&Point3::new(18.5, 18.5, 1.85)).unwrap();
     let pixel = drawn.get_pixel(x as u32, y as u32).0;
     for (shown, expected) in pixel.iter().zip(expected.iter()) {
@@ -154,7 +154,7 @@ fn the_middle_of_the_front_view_has_the_colour_of_its_normal() {
     }
     // Seen from behind the same surface shows the other side, a little darker.
     let frame =
-        Camera::fitted(&ball, StandardView::Back, Lens::Orthographic, 4.0 / 3.0).frame(SIZE.map(f64::from), &ball);
+        Camera::fitted(&bounds, StandardView::Back, Lens::Orthographic, 4.0 / 3.0).frame(SIZE.map(f64::from), &bounds);
     let behind = card.draw_scene(&Scene { frame, ..scene }).get_pixel(SIZE[0] / 2, SIZE[1] / 2).0;
     assert!(behind[2] < 40, "{behind:?}");
 }

@@ -86,6 +86,25 @@ fn no_mesh_and_no_texture_are_choices_too() {
 }
 
 #[test]
+fn what_an_earlier_run_wrote_and_this_one_does_not_is_taken_away() {
+    let place = tempfile::tempdir().unwrap();
+    tiny_set::write(place.path());
+    solved(place.path(), &["--formats", "stl,glb", "--depth-png"]);
+    let out = place.path().join("out/tiny");
+    fs::write(out.join("notes.txt"), "mine").unwrap();
+    // Somebody went on with this one.
+    let since = std::time::SystemTime::now() + std::time::Duration::from_secs(60);
+    fs::File::options().append(true).open(out.join("mesh.glb")).unwrap().set_modified(since).unwrap();
+    let report = solved(place.path(), &["--formats", "obj"]);
+    for gone in ["mesh.stl", "mesh-raw.stl", "mesh-raw.glb", "depth.png"] {
+        assert!(report["files"][gone].is_null() && !out.join(gone).exists(), "{gone}");
+    }
+    for kept in ["notes.txt", "mesh.glb", "mesh.obj", "normals.png"] {
+        assert!(out.join(kept).is_file(), "{kept}");
+    }
+}
+
+#[test]
 fn the_lights_that_are_written_come_back() {
     let place = tempfile::tempdir().unwrap();
     let set = tiny_set::write(place.path());

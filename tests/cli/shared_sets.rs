@@ -63,6 +63,31 @@ fn nayars_method_on_rendered_sets() {
     }
 }
 
+/// Name of the set, order m, most mean distance of the mesh after in mm.
+const MESH_ERRORS: [(&str, &str, f64); 2] = [("corner-blue", "2", 0.7), ("birdbath-dslr", "2", 1.0)];
+
+#[test]
+fn meshes_of_rendered_sets_lie_nearer_to_the_truth_after_than_before() {
+    for (name, bounces, most_mm) in MESH_ERRORS {
+        let Some(set) = shared(name) else { continue };
+        let place = tempfile::tempdir().unwrap();
+        let solve = ["solve".as_ref(), set.as_os_str(), "--bounces".as_ref(), bounces.as_ref(), "--out".as_ref()];
+        let ran = firstbounce(place.path(), solve.into_iter().chain(["out".as_ref()]));
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        let compared = |mesh: &str| {
+            let mesh = place.path().join("out").join(mesh);
+            json(&["compare", mesh.to_str().unwrap(), "--align"], &set)
+        };
+        let (before, after) = (compared("mesh-raw.ply"), compared("mesh.ply"));
+        for number in ["mean_mm", "rms_mm", "p95_mm", "max_mm", "orientation_error_deg"] {
+            let [before, after] = [&before, &after].map(|words| words[number].as_f64().unwrap());
+            println!("{name}, {number}: {before:.3} before, {after:.3} after");
+            assert!(after < before, "{name}, {number}: {before} before, {after} after");
+        }
+        assert!(after["mean_mm"].as_f64().unwrap() <= most_mm, "{name}: {after}");
+    }
+}
+
 #[test]
 fn calibration_of_rendered_sets() {
     let (mut inside, mut all) = (0, 0);

@@ -48,7 +48,23 @@ fn frames_at_24_mpx() {
     reader.find("Count anew");
     std::thread::sleep(Duration::from_secs(5));
     reader.press("Count anew");
-    let [left, top, width, height] = reader.place(&reader.find("beta of green"));
+    drag(&desktop, reader.place(&reader.find("beta of green")), "1");
+    println!("drag of beta:\n{}", report(&desktop, &program));
+
+    reader.press("4  Shape");
+    reader.wait_for("the surface to be there", |widgets| {
+        (widgets.iter().filter(|widget| widget.name.ends_with("ready")).count() == 5).then_some(())
+    });
+    reader.press("Show the surface in 3D");
+    reader.find("Surface in 3D");
+    std::thread::sleep(Duration::from_secs(5));
+    reader.press("Count anew");
+    drag(&desktop, reader.place(&reader.find("Surface in 3D")), "4");
+    println!("turning the surface:\n{}", report(&desktop, &program));
+}
+
+/// Drags back and forth, sideways, from the middle of a widget.
+fn drag(desktop: &Desktop, [left, top, width, height]: [i32; 4], step: &str) {
     let xdotool = |args: &[&str]| {
         let done = desktop.command("xdotool").args(args).status().expect("xdotool is installed");
         assert!(done.success());
@@ -56,12 +72,11 @@ fn frames_at_24_mpx() {
     let middle = (left + width / 2, top + height / 2);
     xdotool(&["mousemove", &middle.0.to_string(), &middle.1.to_string(), "mousedown", "1"]);
     for frame in 0..DRAGGED_FRAMES {
-        let step = if frame % 60 < 30 { "1" } else { "-1" };
-        xdotool(&["mousemove_relative", "--", step, "0"]);
+        let step = if frame % 60 < 30 { step.to_owned() } else { format!("-{step}") };
+        xdotool(&["mousemove_relative", "--", &step, "0"]);
         std::thread::sleep(FRAME);
     }
     xdotool(&["mouseup", "1"]);
-    println!("drag of beta:\n{}", report(&desktop, &program));
 }
 
 /// Has the frame times written, and sums them up by phase.

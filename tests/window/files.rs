@@ -8,6 +8,8 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use firstbounce::app::panels::PanelName;
+use firstbounce::app::session::Open;
+use firstbounce_capture::mesh_file::OutputFormat;
 use serde_json::Value;
 
 use crate::harness::Hands;
@@ -68,6 +70,24 @@ fn the_window_writes_the_files_of_the_command_line() {
         serde_json::from_slice(&std::fs::read(folder.join("report.json")).unwrap()).unwrap()
     };
     assert_eq!(report(&window)["export"], report(&line)["export"]);
+}
+
+#[test]
+fn what_is_chosen_is_kept_with_the_set_and_can_be_undone() {
+    let mut hands = Hands::with_demo();
+    let set = hands.session().document().set.folder.clone();
+    hands.session().panel = PanelName::Export;
+    hands.steps();
+    tick(&mut hands, "PLY (.ply), in mm");
+    tick(&mut hands, "Depth as a 16-bit PNG too");
+    let chosen = hands.session().document().settings.export.clone();
+    assert!(chosen.depth_png && !chosen.writes(OutputFormat::Ply) && chosen.writes(OutputFormat::Obj));
+    hands.press(Modifiers::COMMAND, Key::Z);
+    assert!(!hands.session().document().settings.export.depth_png);
+    hands.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    hands.press(Modifiers::COMMAND, Key::S);
+    hands.open(Open::Set(set));
+    assert_eq!(hands.session().document().settings.export, chosen);
 }
 
 #[test]

@@ -128,7 +128,7 @@ fn a_folder_of_names_that_tell_nothing_is_dropped_assigned_by_hand_and_solved() 
     }
     hands.click_button("Add 6 files");
     hands.rest();
-    let why = "beta is not known";
+    let why = "Beta is not known";
     hands.open_step("3  Separate");
     assert!(hands.sees(why), "a step that cannot be done says what is missing");
 

@@ -1,6 +1,6 @@
 //! What a person chooses in the window beyond capture.toml.
 
-use firstbounce_capture::pipeline::SolveOptions;
+use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
 use firstbounce_core::indirect::IndirectOptions;
 use firstbounce_core::nayar::NayarOptions;
 use firstbounce_core::normals::NormalsOptions;
@@ -17,6 +17,8 @@ pub struct Settings {
     pub shape: ShapeSettings,
     /// The other method, for comparison.
     pub nayar: NayarSettings,
+    /// What to write, and by which conventions.
+    pub export: OutputOptions,
     /// The scan that the surface is compared with.
     pub reference: Option<Box<ReferenceSettings>>,
 }

@@ -24,7 +24,6 @@ use crate::app::window::advice;
 #[derive(Default)]
 pub struct Export {
     folder: PathField,
-    options: OutputOptions,
     /// What the triangles were limited to before they were not.
     triangles: DecimateOptions,
     writing: Option<(PathBuf, Task<Report>)>,
@@ -39,9 +38,13 @@ impl Panel for Export {
         }
         let dialogs = session.dialogs();
         self.folder.ui(ui, "Folder for the results", Choose::Folder, &dialogs, &mut session.jobs);
-        part(ui, "meshes", |ui| self.meshes(ui, &document, full_triangles(session)));
-        part(ui, "pictures", |ui| pictures(ui, &mut self.options));
-        part(ui, "lights", |ui| lights(ui, &mut self.options, &document));
+        let mut options = document.settings.export.clone();
+        part(ui, "meshes", |ui| self.meshes(ui, &mut options, &document, full_triangles(session)));
+        part(ui, "pictures", |ui| pictures(ui, &mut options));
+        part(ui, "lights", |ui| lights(ui, &mut options, &document));
+        if options != document.settings.export {
+            session.edit("Choose what to export", |document| document.settings.export = options);
+        }
         ui.add_space(6.0);
         part(ui, "write", |ui| self.button(ui, session));
         self.take_written(session);
@@ -62,22 +65,21 @@ fn heading(ui: &mut Ui, text: &str) {
 }
 
 impl Export {
-    fn meshes(&mut self, ui: &mut Ui, document: &Document, full: Option<usize>) {
+    fn meshes(&mut self, ui: &mut Ui, options: &mut OutputOptions, document: &Document, full: Option<usize>) {
         heading(ui, "Meshes, before and after");
         let unit = camera_of(&document.set, (1, 1)).unit();
         for format in OutputFormat::ALL {
-            let mut wanted = self.options.writes(format);
+            let mut wanted = options.writes(format);
             if ui
                 .checkbox(&mut wanted, format!("{format} (.{}), in {}", format.extension(), format.unit(unit)))
                 .changed()
             {
                 // In one order, however they were ticked.
-                let chosen = |other: &OutputFormat| if *other == format { wanted } else { self.options.writes(*other) };
-                self.options.formats = OutputFormat::ALL.into_iter().filter(chosen).collect();
+                let chosen = |other: &OutputFormat| if *other == format { wanted } else { options.writes(*other) };
+                options.formats = OutputFormat::ALL.into_iter().filter(chosen).collect();
             }
             ui.indent(format, |ui| ui.label(RichText::new(format.purpose()).small().weak()));
         }
-        let options = &mut self.options;
         ui.add_space(4.0);
         ui.label("Axes of OBJ, PLY and STL");
         for (axes, name) in [(Axes::YUp, "y up"), (Axes::ZUp, "z up")] {
@@ -90,18 +92,19 @@ impl Export {
         ui.radio_value(&mut options.texture, Some(GreyBits::Sixteen), "Texture of 16 bits in OBJ (glTF keeps 8)");
         ui.radio_value(&mut options.texture, None, "Colours at the vertices");
         ui.add_space(4.0);
-        self.decimation(ui, full);
+        self.decimation(ui, options, full);
     }
 
-    fn decimation(&mut self, ui: &mut Ui, full: Option<usize>) {
-        let mut limited = self.options.triangles.is_some();
+    fn decimation(&mut self, ui: &mut Ui, options: &mut OutputOptions, full: Option<usize>) {
+        let mut limited = options.triangles.is_some();
+        self.triangles.triangles = options.triangles.unwrap_or(self.triangles.triangles);
         ui.horizontal_wrapped(|ui| {
             ui.checkbox(&mut limited, "At most this many triangles:");
             let field = DragValue::new(&mut self.triangles.triangles).range(4..=usize::MAX).speed(500.0);
             let response = ui.add_enabled(limited, field);
             response.widget_info(|| WidgetInfo::labeled(Role::SpinButton, limited, "Most triangles of a mesh"));
         });
-        self.options.triangles = limited.then_some(self.triangles.triangles);
+        options.triangles = limited.then_some(self.triangles.triangles);
         let all = full.map_or(String::new(), |full| format!("All are {full}. "));
         let line =
             format!("{all}Fewer load faster; how far the full mesh lies from what is left is measured and reported.");
@@ -116,7 +119,7 @@ impl Export {
             && let Some(finished) = session.results.finished()
         {
             let folder = PathBuf::from(self.folder.text.trim());
-            let (set, target, options) = (document.set.clone(), folder.clone(), self.options.clone());
+            let (set, target, options) = (document.set.clone(), folder.clone(), document.settings.export.clone());
             let task = session.jobs.start("Write results", move |job| {
                 let output = OutputFolder::stage(target).map_err(|error| error.to_string())?;
                 let mut solved = finished.solved()?;

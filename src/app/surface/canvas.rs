@@ -12,7 +12,7 @@ use super::scene::{self, Heat};
 use super::tool::{Picked, Tool, ViewState, point_words};
 use crate::app::canvas::legend;
 use crate::app::session::Session;
-use crate::gpu::mesh::{Ball, Frame, MeshCallback, PlaneDrawing, Scene, Shading};
+use crate::gpu::mesh::{Bounds, Frame, MeshCallback, PlaneDrawing, Scene, Shading};
 
 /// The accessible name.
 pub const LABEL: &str = "Surface in 3D";
@@ -43,10 +43,10 @@ pub fn seen(look: &SurfaceLook, session: &Session, flicker: bool) -> Vec<Seen> {
     LayerName::ALL.into_iter().filter(|name| visible(*name)).filter_map(seen).collect()
 }
 
-/// The ball around everything.
-pub fn ball(seen: &[Seen]) -> Option<Ball> {
-    let balls = seen.iter().map(|seen| seen.prepared.geometry.ball.moved(&seen.pose));
-    balls.reduce(|all, one| all.with(&one))
+/// The box around everything.
+pub fn bounds(seen: &[Seen]) -> Option<Bounds> {
+    let all = seen.iter().map(|seen| seen.prepared.geometry.bounds.moved(&seen.pose));
+    all.reduce(|all, one| all.with(&one))
 }
 
 /// The first surface on a line of sight, and where.
@@ -86,22 +86,22 @@ pub fn show(
     let listens = response.has_focus() || (response.hovered() && ui.memory(|memory| memory.focused().is_none()));
     let flicker = listens && ui.input(|input| input.key_down(HOLD_KEY));
     let seen = self::seen(look, session, flicker);
-    let ball = ball(&seen)?;
+    let bounds = bounds(&seen)?;
     let size = [f64::from(rect.width()), f64::from(rect.height())];
     state.aspect = size[0] / size[1];
 
     // Input first, so that the frame shows what the user just did.
-    let camera = look.camera(&ball, state.aspect);
-    let before = camera.frame(size, &ball);
+    let camera = look.camera(&bounds, state.aspect);
+    let before = camera.frame(size, &bounds);
     let touched = |at| hit(&seen, &before, at);
-    match navigate(ui, &response, (&camera, &before, &ball), &|at| touched(at).map(|picked| picked.point)) {
+    match navigate(ui, &response, (&camera, &before, &bounds), &|at| touched(at).map(|picked| picked.point)) {
         Moved::No => {}
         Moved::Fit => look.camera = None,
         Moved::To(camera) => look.camera = Some(camera),
     }
-    turn(ui, look, &ball, state.aspect);
-    let camera = look.camera(&ball, state.aspect);
-    let frame = camera.frame(size, &ball);
+    turn(ui, look, &bounds, state.aspect);
+    let camera = look.camera(&bounds, state.aspect);
+    let frame = camera.frame(size, &bounds);
     let clicked = response.clicked().then(|| {
         let middle = [size[0] / 2.0, size[1] / 2.0];
         let at = response.interact_pointer_pos().map_or(middle, |point| in_view(rect, point));
@@ -109,16 +109,16 @@ pub fn show(
     });
 
     let unit = seen.first().map_or("mm", |seen| seen.prepared.unit());
-    paint(ui, rect, look, state, &seen, (&frame, &ball), shading, heat);
+    paint(ui, rect, look, state, &seen, (&frame, &bounds), shading, heat);
     decorate(ui, &response, state, &frame, (unit, shading));
     describe(ui, &response, look, state, &seen, &frame, unit);
     Some(Shown { response, clicked: clicked.flatten() })
 }
 
-fn turn(ui: &Ui, look: &mut SurfaceLook, ball: &Ball, aspect: f64) {
+fn turn(ui: &Ui, look: &mut SurfaceLook, bounds: &Bounds, aspect: f64) {
     if look.turntable {
         let passed = ui.input(|input| input.stable_dt).min(LONGEST_FRAME_S);
-        look.camera = Some(look.camera(ball, aspect).orbited(TURNTABLE_DEG_PER_S * f64::from(passed), 0.0));
+        look.camera = Some(look.camera(bounds, aspect).orbited(TURNTABLE_DEG_PER_S * f64::from(passed), 0.0));
         ui.ctx().request_repaint();
     }
 }
@@ -130,14 +130,14 @@ fn paint(
     look: &SurfaceLook,
     state: &ViewState,
     seen: &[Seen],
-    (frame, ball): (&Frame, &Ball),
+    (frame, bounds): (&Frame, &Bounds),
     shading: Shading,
     heat: Option<&Heat>,
 ) {
     let visuals = ui.visuals();
     let background = [visuals.extreme_bg_color.r(), visuals.extreme_bg_color.g(), visuals.extreme_bg_color.b()];
     let (origin_px, size_px) = overlay::physical(rect, ui.ctx().pixels_per_point());
-    let plane = state.plane(&ball.centre).map(|plane| PlaneDrawing {
+    let plane = state.plane(&bounds.centre()).map(|plane| PlaneDrawing {
         normal: plane.normal.into_inner().into(),
         offset: plane.normal.dot(&plane.point.coords),
         colour: [1.0, 0.62, 0.1],

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::gpu::mesh::{Ball, Camera, Lens, StandardView};
+use crate::gpu::mesh::{Bounds, Camera, Lens, StandardView};
 
 /// A surface that can be shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -158,11 +158,11 @@ impl SurfaceLook {
         }
     }
 
-    /// The eye in force for what is in the ball.
-    pub fn camera(&self, ball: &Ball, aspect: f64) -> Camera {
+    /// The eye in force for what is in the bounds.
+    pub fn camera(&self, bounds: &Bounds, aspect: f64) -> Camera {
         match self.camera {
             Some(camera) => Camera { lens: self.lens, ..camera },
-            None => Camera::fitted(ball, StandardView::Corner, self.lens, aspect),
+            None => Camera::fitted(bounds, StandardView::Corner, self.lens, aspect),
         }
     }
 
@@ -175,7 +175,7 @@ impl SurfaceLook {
     }
 
     /// Takes the eye to a named side, everything in sight.
-    pub fn stand(&mut self, view: StandardView, ball: &Ball, aspect: f64) {
-        self.camera = Some(Camera::fitted(ball, view, self.lens, aspect));
+    pub fn stand(&mut self, view: StandardView, bounds: &Bounds, aspect: f64) {
+        self.camera = Some(Camera::fitted(bounds, view, self.lens, aspect));
     }
 }

@@ -3,7 +3,7 @@
 use eframe::egui::{EventFilter, InputState, Key, PointerButton, Pos2, Rect, Response, Ui, Vec2};
 use nalgebra::Point3;
 
-use crate::gpu::mesh::{Ball, Camera, Frame};
+use crate::gpu::mesh::{Bounds, Camera, Frame};
 
 /// Degrees for a point of dragging.
 const DRAG_DEG: f64 = 0.4;
@@ -38,7 +38,7 @@ pub fn in_view(rect: Rect, point: Pos2) -> [f64; 2] {
 pub fn navigate(
     ui: &Ui,
     response: &Response,
-    (camera, frame, ball): (&Camera, &Frame, &Ball),
+    (camera, frame, bounds): (&Camera, &Frame, &Bounds),
     hit: &dyn Fn([f64; 2]) -> Option<Point3<f64>>,
 ) -> Moved {
     let rect = response.rect;
@@ -61,13 +61,13 @@ pub fn navigate(
     if let Some(pointer) = ui.input(|input| input.pointer.hover_pos()).filter(|_| response.contains_pointer()) {
         let factor = ui.input_mut(wheel_factor);
         if factor != 1.0 {
-            return Moved::To(camera.dollied(f64::from(factor), &seen(at(pointer)), ball));
+            return Moved::To(camera.dollied(f64::from(factor), &seen(at(pointer)), bounds));
         }
     }
     if response.has_focus() {
         let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
-        return ui.input(|input| by_keys(input, camera, ball));
+        return ui.input(|input| by_keys(input, camera, bounds));
     }
     Moved::No
 }
@@ -79,7 +79,7 @@ fn wheel_factor(input: &mut InputState) -> f32 {
     (-travel / WHEEL_TRAVEL).exp() / input.zoom_delta()
 }
 
-fn by_keys(input: &InputState, camera: &Camera, ball: &Ball) -> Moved {
+fn by_keys(input: &InputState, camera: &Camera, bounds: &Bounds) -> Moved {
     // With Ctrl or Alt the same keys belong to the window.
     if input.modifiers.command || input.modifiers.alt {
         return Moved::No;
@@ -89,10 +89,10 @@ fn by_keys(input: &InputState, camera: &Camera, ball: &Ball) -> Moved {
         return Moved::Fit;
     }
     if pressed(Key::Plus) || pressed(Key::Equals) {
-        return Moved::To(camera.dollied(KEY_ZOOM, &camera.target(), ball));
+        return Moved::To(camera.dollied(KEY_ZOOM, &camera.target(), bounds));
     }
     if pressed(Key::Minus) {
-        return Moved::To(camera.dollied(1.0 / KEY_ZOOM, &camera.target(), ball));
+        return Moved::To(camera.dollied(1.0 / KEY_ZOOM, &camera.target(), bounds));
     }
     let presses = |key| input.num_presses(key) as f64;
     let right = presses(Key::ArrowRight) - presses(Key::ArrowLeft);

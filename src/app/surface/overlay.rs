@@ -115,14 +115,15 @@ pub fn physical(rect: Rect, pixels_per_point: f32) -> ([f32; 2], [u32; 2]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::mesh::{Ball, Camera, Lens, StandardView};
+    use crate::gpu::mesh::{Bounds, Camera, Lens, StandardView};
 
     #[test]
     fn the_scale_bar_is_a_round_length_that_fits() {
         for radius in [0.003, 0.7, 12.0, 480.0] {
-            let ball = Ball { centre: Point3::origin(), radius };
-            let camera = Camera::fitted(&ball, StandardView::Front, Lens::Orthographic, 1.5);
-            let frame = camera.frame([600.0, 400.0], &ball);
+            let corner = nalgebra::Vector3::repeat(radius / 3.0_f64.sqrt());
+            let bounds = Bounds::new(Point3::origin() - corner, Point3::origin() + corner);
+            let camera = Camera::fitted(&bounds, StandardView::Front, Lens::Orthographic, 1.5);
+            let frame = camera.frame([600.0, 400.0], &bounds);
             let bar = ScaleBar::of(&frame, 600.0);
             assert!(bar.points <= 150.001 && bar.points > 50.0, "{bar:?}");
             let lead = bar.length / 10f64.powf((bar.length.log10() + 1e-9).floor());

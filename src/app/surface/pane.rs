@@ -1,8 +1,8 @@
 //! A 3D view below its tool bar: words, the view, and the profile of its section.
 
-use eframe::egui::{RichText, Ui, vec2};
+use eframe::egui::{Ui, vec2};
 
-use super::canvas::{self, ball, seen};
+use super::canvas::{self, bounds, seen};
 use super::look::{LayerName, SurfaceLook};
 use super::pairs;
 use super::profile;
@@ -11,6 +11,7 @@ use super::tool::{Tool, ViewState, point_words};
 use crate::app::document::Document;
 use crate::app::results::{StageState, Step};
 use crate::app::session::Session;
+use crate::app::window::advice_in_the_middle;
 
 /// Fills the space that is left; whether it was touched.
 pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -> bool {
@@ -20,9 +21,9 @@ pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -
         return pairs::ui(ui, id, look, session);
     }
     let visible = seen(look, session, false);
-    let Some(around) = ball(&visible) else {
+    let Some(around) = bounds(&visible) else {
         let line = nothing(look, &document, session);
-        ui.centered_and_justified(|ui| ui.label(RichText::new(line).weak()));
+        advice_in_the_middle(ui, &line);
         return false;
     };
     let mut state = std::mem::take(session.surfaces.view(id));
@@ -42,7 +43,7 @@ pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -
         ui.horizontal_wrapped(|ui| profile::controls(ui, &mut state, &around, unit));
         profile::slide(ui, &mut state, &around);
     }
-    let plane = state.plane(&around.centre);
+    let plane = state.plane(&around.centre());
     let space = ui.available_size();
     let below = if plane.is_some() { profile::HEIGHT.min(space.y / 2.0) } else { 0.0 };
     let size = vec2(space.x, space.y - below);

@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, UnitVector3};
 use super::look::LayerName;
 use super::prepared::Prepared;
 use super::tool::{Cut, SectionPlane, ViewState};
-use crate::gpu::mesh::Ball;
+use crate::gpu::mesh::Bounds;
 
 /// Points of the screen that the plot takes.
 pub const HEIGHT: f32 = 170.0;
@@ -75,19 +75,18 @@ impl Profile {
 }
 
 /// How the plane lies, and where.
-pub fn controls(ui: &mut Ui, state: &mut ViewState, ball: &Ball, unit: &str) {
+pub fn controls(ui: &mut Ui, state: &mut ViewState, bounds: &Bounds, unit: &str) {
     for cut in Cut::ALL {
         ui.selectable_value(&mut state.cut, cut, cut.name());
     }
     match state.cut.axis() {
         Some(axis) => {
-            let reach = ball.radius;
-            let middle = ball.centre[axis];
-            let mut at = state.at[axis].unwrap_or(middle);
+            let [low, high] = bounds.along(axis);
+            let mut at = state.at[axis].unwrap_or((low + high) / 2.0);
             let label = ui.label("Section at");
             let field = DragValue::new(&mut at)
-                .range(middle - reach..=middle + reach)
-                .speed(reach / 200.0)
+                .range(low..=high)
+                .speed((high - low) / 400.0)
                 .max_decimals(3)
                 .suffix(format!(" {unit}"));
             if ui.add(field).labelled_by(label.id).changed() {
@@ -102,13 +101,13 @@ pub fn controls(ui: &mut Ui, state: &mut ViewState, ball: &Ball, unit: &str) {
 }
 
 /// A slider over the whole width, for the plane across an axis.
-pub fn slide(ui: &mut Ui, state: &mut ViewState, ball: &Ball) {
+pub fn slide(ui: &mut Ui, state: &mut ViewState, bounds: &Bounds) {
     let Some(axis) = state.cut.axis() else { return };
-    let (middle, reach) = (ball.centre[axis], ball.radius);
-    let mut at = state.at[axis].unwrap_or(middle);
+    let [low, high] = bounds.along(axis);
+    let mut at = state.at[axis].unwrap_or((low + high) / 2.0);
     ui.scope(|ui| {
         ui.spacing_mut().slider_width = (ui.available_width() - 20.0).max(40.0);
-        let slider = Slider::new(&mut at, middle - reach..=middle + reach).show_value(false);
+        let slider = Slider::new(&mut at, low..=high).show_value(false);
         let response = ui.add(slider);
         response.widget_info(|| WidgetInfo::slider(true, at, "Slide the section"));
         if response.changed() {

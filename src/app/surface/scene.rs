@@ -6,7 +6,7 @@ use super::look::{LayerColours, LayerName, Shade, SurfaceLook};
 use super::profile::Seen;
 use crate::app::document::Document;
 use crate::app::results::Results;
-use crate::gpu::mesh::{Ball, LayerDrawing, Shading, Shared};
+use crate::gpu::mesh::{LayerDrawing, Shading, Shared};
 
 /// Edges that are this long on the screen are drawn in full.
 const OPEN_EDGE_PX: f64 = 8.0;
@@ -62,17 +62,9 @@ pub fn lamp(look: &SurfaceLook, document: &Document, results: &Results) -> Optio
     Some((light.name.clone(), four(direction.value, 0.0)))
 }
 
-/// The least and the largest z of all that is seen; a surface that was moved is taken with its ball.
+/// The least and the largest z of all that is seen.
 fn heights(seen: &[Seen]) -> [f32; 2] {
-    let of = |seen: &Seen| {
-        let geometry = &seen.prepared.geometry;
-        if seen.pose == nalgebra::Isometry3::identity() {
-            return geometry.heights;
-        }
-        let Ball { centre, radius } = geometry.ball.moved(&seen.pose);
-        [centre.z - radius, centre.z + radius]
-    };
-    let all: Vec<_> = seen.iter().map(of).collect();
+    let all: Vec<_> = seen.iter().map(|seen| seen.prepared.geometry.bounds.moved(&seen.pose).along(2)).collect();
     let low = all.iter().map(|[low, _]| *low).fold(f64::INFINITY, f64::min);
     let high = all.iter().map(|[_, high]| *high).fold(f64::NEG_INFINITY, f64::max);
     if low < high { [low as f32, high as f32] } else { [low as f32 - 0.5, low as f32 + 0.5] }

@@ -1,6 +1,6 @@
 //! What 3D views ask of the open set.
 
-use super::canvas::{ball, seen};
+use super::canvas::{bounds, seen};
 use super::look::{LayerName, SurfaceLook};
 use super::profile::Seen;
 use super::scene::Heat;
@@ -20,8 +20,8 @@ impl Session {
     /// Takes the eye of a view to a named side.
     pub fn stand(&mut self, view: u64, look: &mut SurfaceLook, from: StandardView) {
         let aspect = self.surfaces.view(view).aspect;
-        if let Some(ball) = ball(&seen(look, self, false)) {
-            look.stand(from, &ball, if aspect > 0.0 { aspect } else { USUAL_ASPECT });
+        if let Some(bounds) = bounds(&seen(look, self, false)) {
+            look.stand(from, &bounds, if aspect > 0.0 { aspect } else { USUAL_ASPECT });
         }
     }
 

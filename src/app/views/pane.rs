@@ -1,7 +1,7 @@
 //! One view: its tool bar, its canvas, and what panels draw over it.
 
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
-use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, RichText, Role, Ui, WidgetInfo, vec2};
+use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, Role, Ui, WidgetInfo, vec2};
 use firstbounce_core::photo::{CLIPPED, DARK};
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
@@ -13,6 +13,7 @@ use crate::app::panels::{Over, Panels};
 use crate::app::plate::{plate, plate_in};
 use crate::app::session::Session;
 use crate::app::surface;
+use crate::app::window::advice_in_the_middle;
 use crate::gpu::{ColourMap, Display};
 
 pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Panels) {
@@ -31,9 +32,7 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Pane
         }
         match picture(&view.shown, &document, &session.results) {
             Ok(shown) => canvas(ui, view, &shown, session, panels),
-            Err(line) => {
-                ui.centered_and_justified(|ui| ui.label(RichText::new(line).weak()));
-            }
+            Err(line) => advice_in_the_middle(ui, &line),
         }
     });
 }

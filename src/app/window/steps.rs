@@ -6,6 +6,7 @@ use crate::app::panels::PanelName;
 use crate::app::results::StageState;
 use crate::app::session::Session;
 use crate::app::theme;
+use crate::app::window::sentence;
 
 /// Shows the steps; a click opens one.
 pub fn ui(ui: &mut Ui, session: &mut Session) {
@@ -24,7 +25,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
         });
         let (StageState::Failed { line } | StageState::Blocked { line }) = state else { continue };
         if told.is_empty() || !line.contains(&told) {
-            ui.indent(number, |ui| ui.label(RichText::new(&line).color(colour)));
+            ui.indent(number, |ui| ui.label(RichText::new(sentence(&line)).color(colour)));
             told = line;
         }
     }

@@ -106,6 +106,7 @@ const FILE_MODE: u32 = 0o666;
 pub struct OutputFolder {
     target: PathBuf,
     staging: TempDir,
+    retired: Vec<PathBuf>,
 }
 
 impl OutputFolder {
@@ -121,7 +122,7 @@ impl OutputFolder {
         let mut builder = Builder::new();
         builder.prefix(".firstbounce-").suffix(".partial");
         let staging = builder.tempdir_in(place).map_err(refused(&target))?;
-        let output = Self { target, staging };
+        let output = Self { target, staging, retired: Vec::new() };
         fs::create_dir(output.path()).map_err(refused(&output.target))?;
         Ok(output)
     }
@@ -141,6 +142,12 @@ impl OutputFolder {
         let path = self.path().join(relative);
         fs::create_dir_all(folder_of(&path)).map_err(refused(&path))?;
         Ok(path)
+    }
+
+    /// Has the commit take the file `relative` of the target away, unless a staged one takes its place: what an earlier run
+    /// left would else be taken for this one's.
+    pub fn retire(&mut self, relative: impl Into<PathBuf>) {
+        self.retired.push(relative.into());
     }
 
     /// Moves every staged file to the target. On an error the target is as it was before.
@@ -173,14 +180,23 @@ impl OutputFolder {
             }
         }
         let mut moved: Vec<&PathBuf> = Vec::new();
-        for file in files {
-            if let Err(reason) = self.move_file(file) {
+        let retired = self.retired.iter().filter(|file| !files.contains(file) && self.target.join(file).is_file());
+        let moves = files.iter().map(|file| (file, true)).chain(retired.map(|file| (file, false)));
+        for (file, is_new) in moves {
+            let outcome = if is_new { self.move_file(file) } else { self.move_aside(file) };
+            if let Err(reason) = outcome {
                 moved.iter().rev().for_each(|file| self.move_back(file));
                 return Err(WriteError::Refused { path: self.target.join(file), reason });
             }
             moved.push(file);
         }
         Ok(())
+    }
+
+    fn move_aside(&self, file: &Path) -> io::Result<()> {
+        let replaced = self.replaced(file);
+        fs::create_dir_all(folder_of(&replaced))?;
+        fs::rename(self.target.join(file), replaced)
     }
 
     fn replaced(&self, file: &Path) -> PathBuf {
@@ -325,6 +341,24 @@ mod tests {
         assert_eq!(names(folder.path()), ["mesh", "notes.txt", "report.json"]);
         assert_eq!(fs::read(folder.path().join("report.json")).unwrap(), b"new");
         assert_eq!(fs::read(folder.path().join("notes.txt")).unwrap(), b"mine");
+    }
+
+    #[test]
+    fn a_retired_file_goes_with_the_commit_and_stays_without_it() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("mesh.stl"), b"old").unwrap();
+        fs::write(folder.path().join("mesh.obj"), b"old").unwrap();
+        let staged = || {
+            let mut output = OutputFolder::stage(folder.path()).unwrap();
+            fs::write(output.file("mesh.obj").unwrap(), b"new").unwrap();
+            ["mesh.stl", "mesh.obj", "never.ply"].into_iter().for_each(|file| output.retire(file));
+            output
+        };
+        drop(staged());
+        assert_eq!(names(folder.path()), ["mesh.obj", "mesh.stl"]);
+        staged().commit().unwrap();
+        assert_eq!(names(folder.path()), ["mesh.obj"]);
+        assert_eq!(fs::read(folder.path().join("mesh.obj")).unwrap(), b"new");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use firstbounce_core::colour::srgb_from_linear;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use super::Ball;
+use super::Bounds;
 
 /// A vertex on the card. Positions are relative to the centre of the geometry.
 #[repr(C)]
@@ -30,9 +30,7 @@ pub struct Geometry {
     /// Origin of the vertices.
     pub(super) centre: Point3<f64>,
     /// Around all of it.
-    pub ball: Ball,
-    /// The least and the largest z.
-    pub heights: [f64; 2],
+    pub bounds: Bounds,
     /// Whether the vertices have colours of their own.
     pub has_colours: bool,
     /// The mean length of an edge.
@@ -43,13 +41,12 @@ impl Geometry {
     /// Takes a mesh; `None` for one without vertices. Normals that it lacks are computed from its triangles.
     pub fn new(mesh: &Mesh) -> Option<Self> {
         let (low, high) = mesh.bounds()?;
-        let (low, high) = (low.cast::<f64>(), high.cast::<f64>());
-        let ball = Ball::around(&low, &high);
+        let bounds = Bounds::new(low.cast(), high.cast());
         let computed = if mesh.normals.is_empty() { mesh.area_weighted_normals() } else { Vec::new() };
         let normals = if mesh.normals.is_empty() { &computed } else { &mesh.normals };
         let edges = edges(&mesh.triangles);
         let vertex = |(index, position): (usize, &Point3<f32>)| Vertex {
-            position: (position.cast::<f64>() - ball.centre).cast::<f32>().into(),
+            position: (position.cast::<f64>() - bounds.centre()).cast::<f32>().into(),
             normal: packed(normals.get(index).copied().unwrap_or_else(Vector3::z)),
             colour: mesh.colours.get(index).map_or([0; 4], |colour| {
                 let [r, g, b] = colour.map(|channel| (255.0 * srgb_from_linear(channel.clamp(0.0, 1.0))).round() as u8);
@@ -61,9 +58,8 @@ impl Geometry {
             edge_length: edge_length(mesh, &edges),
             edges,
             triangles: mesh.triangles.clone(),
-            centre: ball.centre,
-            ball,
-            heights: [low.z, high.z],
+            centre: bounds.centre(),
+            bounds,
             has_colours: !mesh.colours.is_empty(),
         })
     }

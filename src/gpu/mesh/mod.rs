@@ -13,7 +13,7 @@ mod scene;
 mod uniforms;
 
 pub use callback::{Kept, MeshCallback, install};
-pub use camera::{Ball, Camera, Frame, Lens, Ray, StandardView};
+pub use camera::{Bounds, Camera, Frame, Lens, Ray, StandardView};
 pub use geometry::{Geometry, Shared, Vertex};
 pub use pass::{Laid, MeshGpu, Picture};
 pub use scene::{LayerDrawing, PlaneDrawing, Scene, Shading};

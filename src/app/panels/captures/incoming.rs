@@ -67,6 +67,9 @@ impl Incoming {
             let text = format!("Add {}", count_of(assigned));
             if ui.add_enabled(assigned > 0, Button::new(text)).clicked() {
                 session.edit("Add photos", |document| document.set = after.clone());
+                if document.set.shots.is_empty() {
+                    session.show_first_photo();
+                }
                 let left = previews.len() - assigned;
                 if left == 0 {
                     session.done(format!("Added {}", count_of(assigned)));
@@ -145,7 +148,7 @@ impl Incoming {
     }
 
     fn row(&mut self, ui: &mut Ui, set: &CaptureSet, file: &PathBuf, preview: &Preview) {
-        let shown = set.written(file);
+        let shown = short(set, file);
         match preview {
             Preview::Mask => {
                 ui.label(format!("{shown}: the object's mask"));
@@ -185,6 +188,16 @@ impl Incoming {
 
     fn typed<'a>(&'a self, name: fn(&'a Hand) -> &'a String) -> impl Iterator<Item = &'a str> {
         self.files.iter().filter_map(|file| self.by_hand.get(file)).map(move |hand| name(hand).as_str())
+    }
+}
+
+/// As the set names the file; one from elsewhere by its folder and its name.
+fn short(set: &CaptureSet, file: &Path) -> String {
+    let written = set.written(file);
+    let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    match (Path::new(&written).is_absolute(), file.parent().and_then(name), name(file)) {
+        (true, Some(folder), Some(file)) => format!("{folder}/{file}"),
+        _ => written,
     }
 }
 

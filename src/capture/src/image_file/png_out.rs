@@ -5,11 +5,12 @@ use image::ExtendedColorType::{L8, L16, Rgb8, Rgb16};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::{Encoding, ImageError};
 
 /// Where the green channel of a normal map points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum GreenAxis {
     /// OpenGL: green is y up.
     #[default]
@@ -42,7 +43,7 @@ pub fn grey16_png(plane: &Plane, white: f32) -> Result<Vec<u8>, ImageError> {
 }
 
 /// How finely a grey picture is stored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum GreyBits {
     /// 256 levels.
     #[default]

@@ -3,9 +3,10 @@
 use std::fmt;
 
 use firstbounce_core::mesh::LengthUnit;
+use serde::{Deserialize, Serialize};
 
 /// Where the axes of a mesh file point.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Axes {
     /// The object frame as it is.
     #[default]
@@ -25,7 +26,7 @@ impl Axes {
 }
 
 /// The mesh formats that are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum OutputFormat {
     /// Wavefront OBJ.
     Obj,

@@ -1,5 +1,6 @@
 //! Results to files.
 
+mod earlier;
 mod lights;
 mod meshes;
 mod options;
@@ -28,6 +29,8 @@ pub fn write_solved(
     watch: &dyn PipelineWatch,
 ) -> Result<Report, PipelineError> {
     options.check()?;
+    let mut folder = folder;
+    earlier::retire_earlier(&mut folder);
     let mut stages = std::mem::take(&mut solved.stages);
     let mut files = Files { folder, written: IndexMap::new() };
     let written =

@@ -1,13 +1,15 @@
 //! What to write, and how.
 
 use firstbounce_core::decimate::DecimateOptions;
+use serde::{Deserialize, Serialize};
 
 use super::super::PipelineError;
 use crate::image_file::{GreenAxis, GreyBits};
 use crate::mesh_file::{Axes, OutputFormat};
 
 /// What to write beside bounces, normals and report, and by which conventions. The same for `solve` and for the window.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct OutputOptions {
     /// The direction of green in normals.png.
     pub green: GreenAxis,

@@ -224,10 +224,21 @@ impl Pattern {
 }
 
 fn subject_of(captures: &Captures<'_>) -> Option<Subject> {
-    let found = captures.name("subject")?.as_str().to_lowercase().replace(['_', ' '], "-");
+    subject_of_word(captures.name("subject")?.as_str())
+}
+
+fn subject_of_word(word: &str) -> Option<Subject> {
+    let found = word.to_lowercase().replace(['_', ' '], "-");
     let bare = found.replace('-', "");
     let means = |words: &[&str]| words.iter().any(|word| word.replace('-', "") == bare);
     Subject::from_word(&found).or_else(|| SUBJECT_WORDS.iter().find(|(_, words)| means(words)).map(|(s, _)| *s))
+}
+
+/// Dark frames and flat fields stand beside the photos and follow no pattern of theirs: "dark.png", "flat-03.tif".
+pub(super) fn correction_of_name(file: &Path) -> Option<Subject> {
+    let stem = file.file_stem()?.to_string_lossy();
+    let word = stem.trim_end_matches(|c: char| c.is_ascii_digit() || "-_ ".contains(c));
+    subject_of_word(word).filter(|subject| matches!(subject, Subject::Dark | Subject::FlatField))
 }
 
 impl fmt::Display for Pattern {
