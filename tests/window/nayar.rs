@@ -4,6 +4,7 @@ use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable;
 use firstbounce::app::panels::PanelName;
 use firstbounce::app::results::{StageState, Step, When};
+use firstbounce::app::surface::LayerName;
 use firstbounce::app::views::{Shown, entries, picture};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Unattended, solve};
@@ -66,7 +67,9 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     let solved = solve(&set, &options, &Unattended).unwrap();
     let found = hands.session().results.by_nayar().unwrap();
     assert_eq!(found.report, solved.nayar.unwrap().report);
-    assert_eq!(found.shape.normals.map, solved.after.unwrap().shape.normals.map);
+    let surfaced = solved.after.unwrap();
+    assert_eq!(found.shape.normals.map, surfaced.shape.normals.map);
+    let solved_mesh = surfaced.mesh;
 
     // Its pictures compare with those of bounce 1.
     hands.click_button("Show normals by Nayar's method");
@@ -74,6 +77,11 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     let document = hands.session().document();
     let by_both = Shown::Difference(Box::new(Shown::Albedo(When::Nayar)), Box::new(Shown::Albedo(When::After)));
     assert!(picture(&by_both, &document, &hands.session().results).is_ok());
+
+    // Its surface is a layer of the 3D view.
+    hands.session().views.show(Shown::Surface);
+    hands.wait_until("the surface by Nayar's method", |session| session.surfaces.layer(LayerName::Nayar).is_some());
+    assert_eq!(*hands.session().surfaces.layer(LayerName::Nayar).unwrap().source.mesh(), solved_mesh);
 
     // Untouched by it, and gone with it.
     hands.press(Modifiers::COMMAND, Key::Z);

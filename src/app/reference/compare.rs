@@ -36,7 +36,7 @@ impl Outcome {
         match layer {
             LayerName::After => Some(&self.after),
             LayerName::Before => self.before.as_ref().ok(),
-            LayerName::Reference => None,
+            LayerName::Nayar | LayerName::Reference => None,
         }
     }
 

@@ -1,11 +1,13 @@
 //! The other method, for comparison: Nayar, Ikeuchi and Kanade 1991 on the photos of the reference colour.
 
 use firstbounce_capture::pipeline::{
-    AlbedoScale, Beginning, Known, NayarSolved, camera_of, raw_lights, simulate_away, white_light,
+    AlbedoScale, Beginning, Known, NayarSolved, camera_of, raw_lights, simulate_away, triangulate,
+    white_light,
 };
+use firstbounce_core::mesh::MeshOptions;
 use firstbounce_core::nayar::NayarReport;
 use firstbounce_core::shape::Shape;
-use firstbounce_core::{AngularError, Plane};
+use firstbounce_core::{AngularError, Mesh, Plane};
 
 use super::Calibration;
 use super::run::{Loaded, Shapes, Used, kept, line};
@@ -17,6 +19,8 @@ use crate::app::jobs::Job;
 pub struct ByNayar {
     /// Normals, albedo, depth.
     pub shape: Shape,
+    /// The depth as triangles.
+    pub mesh: Mesh,
     /// Names of the lights that were used, and the direct light of each.
     pub direct: Vec<(String, Plane)>,
     /// How the iterations went.
@@ -55,5 +59,6 @@ pub fn run(
     let solved = NayarSolved { report: found.report.clone(), white_light: white_light.clone() };
     let warnings = solved.warnings(found.shape.report.normals.solved_pixels);
     let direct = set.lights.iter().map(|light| light.name.clone()).zip(found.direct).collect();
-    Ok(ByNayar { shape: found.shape, direct, report: found.report, white_light, from_bounce_1, warnings })
+    let mesh = triangulate(&found.shape, &camera, &MeshOptions::default()).map_err(line)?;
+    Ok(ByNayar { shape: found.shape, mesh, direct, report: found.report, white_light, from_bounce_1, warnings })
 }

@@ -6,7 +6,7 @@ use eframe::egui::emath::Numeric;
 use eframe::egui::{ComboBox, Grid, RichText, Ui};
 
 use super::mesh::MeshChoice;
-use super::values::{SceneKind, Values};
+use super::values::{LampKind, SceneKind, Values};
 use crate::app::dialogs::Choose;
 use crate::app::number_field::up_to;
 use crate::app::panels::part;
@@ -121,21 +121,30 @@ fn paint(ui: &mut Ui, values: &mut Values) {
     let words = match values.albedos.len() {
         1 => "One colour cannot tell bounces apart.".to_owned(),
         2 => "Two colours tell bounces apart up to order m = 2. c1 is the reference colour.".to_owned(),
-        count => format!(
-            "{count} colours tell bounces apart up to order m = {count}; planned for m = 2. c1 is the reference colour."
-        ),
+        count => format!("{count} colours tell bounces apart up to order m = {count}. c1 is the reference colour."),
     };
     ui.label(RichText::new(words).small().weak());
 }
 
 fn lights(ui: &mut Ui, values: &mut Values) {
-    heading(ui, "Lights, far away on a ring");
+    heading(ui, "Lights on a ring");
+    ui.horizontal_wrapped(|ui| {
+        for kind in LampKind::ALL {
+            ui.radio_value(&mut values.lamps, kind, kind.title());
+        }
+    });
     let mut count = values.intensities.len();
     rows(ui, "ring", |ui| {
         if row(ui, "Number of lights", &mut count, (1, MOST_LAMPS), "") {
             values.resize_ring(count);
         }
         row(ui, "Tilt from the camera's axis", &mut values.tilt_deg, ANY, "\u{b0}");
+        if values.lamps != LampKind::Distant {
+            row(ui, "Distance of the lamps", &mut values.lamp_distance_mm, ANY, " mm");
+        }
+        if values.lamps == LampKind::Area {
+            row(ui, "Side of a lamp", &mut values.lamp_side_mm, ANY, " mm");
+        }
         for (l, intensity) in values.intensities.iter_mut().enumerate() {
             row(ui, &format!("Intensity of light{}", l + 1), intensity, ANY, "");
         }

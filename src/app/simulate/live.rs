@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::egui::Context;
-use firstbounce_capture::pipeline::simulate::SimulateOptions;
 
 use crate::app::jobs::{Job, Jobs, Task};
 
@@ -13,26 +12,26 @@ use crate::app::jobs::{Job, Jobs, Task};
 const SETTLE: Duration = Duration::from_millis(300);
 
 /// The outcome of the options that are wanted, or of those before.
-pub struct Live<T> {
+pub struct Live<O, T> {
     /// What has to settle, or waits for its turn, and since when.
-    waits: Option<(Arc<SimulateOptions>, f64)>,
+    waits: Option<(Arc<O>, f64)>,
     task: Option<Task<T>>,
     /// The options that `outcome` or `task` belong to, or will.
-    wanted: Option<Arc<SimulateOptions>>,
+    wanted: Option<Arc<O>>,
     outcome: Option<Arc<T>>,
     error: Option<String>,
     is_stopped: bool,
 }
 
-impl<T> Default for Live<T> {
+impl<O, T> Default for Live<O, T> {
     fn default() -> Self {
         Self { waits: None, task: None, wanted: None, outcome: None, error: None, is_stopped: false }
     }
 }
 
-impl<T: Send + 'static> Live<T> {
+impl<O: PartialEq + Send + Sync + 'static, T: Send + 'static> Live<O, T> {
     /// Asks for the outcome of these options.
-    pub fn want(&mut self, options: SimulateOptions, context: &Context) {
+    pub fn want(&mut self, options: O, context: &Context) {
         if self.wanted.as_deref() == Some(&options) {
             return;
         }
@@ -58,14 +57,16 @@ impl<T: Send + 'static> Live<T> {
         context: &Context,
         jobs: &mut Jobs,
         name: &str,
-        work: impl FnOnce(&SimulateOptions, &Job) -> Result<T, String> + Send + 'static,
+        work: impl FnOnce(&O, &Job) -> Result<T, String> + Send + 'static,
     ) {
         self.is_stopped = false;
-        if let Some(outcome) = self.task.as_ref().and_then(Task::poll) {
+        let polled = self.task.as_ref().and_then(|task| Some((task.poll()?, task.job().is_cancelled())));
+        if let Some((outcome, is_cancelled)) = polled {
             self.task = None;
             self.error = None;
             match outcome {
                 Ok(outcome) => self.outcome = Some(Arc::new(outcome)),
+                Err(_) if is_cancelled => self.error = Some(format!("{name}: cancelled; it comes with the next change")),
                 Err(line) => self.error = Some(line),
             }
         }

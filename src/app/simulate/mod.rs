@@ -21,7 +21,7 @@ use super::session::{Open, Session};
 use super::theme;
 use live::Live;
 use mesh::MeshChoice;
-use plan::Planned;
+use plan::{PlanFor, Planned};
 use preview::{Preview, Previewer, Shown};
 use values::Values;
 
@@ -39,10 +39,10 @@ pub struct NewSet {
     /// The values and the mesh that `options` were made of.
     made_of: Option<(Values, u64)>,
     options: Option<Result<Arc<SimulateOptions>, String>>,
-    preview: Live<Preview>,
+    preview: Live<SimulateOptions, Preview>,
     previewer: Previewer,
     shown: Shown,
-    plan: Live<Planned>,
+    plan: Live<PlanFor, Planned>,
     making: Option<(PathBuf, Task<()>)>,
     /// Why the last set was not made.
     refused: Option<String>,
@@ -75,7 +75,7 @@ impl NewSet {
                 ScrollArea::vertical().id_salt("outcome").auto_shrink(false).show(ui, |ui| {
                     preview::ui(ui, &self.preview, &mut self.shown);
                     ui.separator();
-                    plan::ui(ui, &self.plan, self.values.frames);
+                    plan::ui(ui, &self.plan, &mut self.values);
                 });
             });
         });
@@ -95,7 +95,7 @@ impl NewSet {
             let options = self.values.options(&self.mesh);
             if let Ok(options) = &options {
                 self.preview.want(preview::small(options), context);
-                self.plan.want(plan::small(options), context);
+                self.plan.want(PlanFor::new(options, self.values.order()), context);
             }
             self.options = Some(options.map(Arc::new));
             self.made_of = Some(made_of);

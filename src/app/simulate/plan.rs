@@ -6,6 +6,7 @@ use firstbounce_capture::pipeline::simulate::{PlanGrid, SimulateOptions, plan_ad
 use firstbounce_core::lab::{Plan, PlanPoint};
 
 use super::live::Live;
+use super::values::Values;
 use crate::app::jobs::Job;
 use crate::app::theme;
 use crate::app::window::advice;
@@ -18,23 +19,32 @@ pub struct Planned {
     advice: String,
 }
 
-/// The options of the plan. What it does not depend on is the same for all.
-pub fn small(options: &SimulateOptions) -> SimulateOptions {
-    let grid = PlanGrid::default();
-    let mut small = SimulateOptions {
-        name: String::new(),
-        patches: options.patches.min(grid.patches),
-        size_px: grid.size_px,
-        balls: None,
-        ..options.clone()
-    };
-    small.sensor.seed = 0;
-    small
+/// What a plan depends on.
+#[derive(PartialEq)]
+pub struct PlanFor {
+    options: SimulateOptions,
+    bounces: usize,
+}
+
+impl PlanFor {
+    /// The plan of a set that is separated with order `bounces`. What it does not depend on is the same for all.
+    pub fn new(options: &SimulateOptions, bounces: usize) -> Self {
+        let grid = PlanGrid::default();
+        let mut small = SimulateOptions {
+            name: String::new(),
+            patches: options.patches.min(grid.patches),
+            size_px: grid.size_px,
+            balls: None,
+            ..options.clone()
+        };
+        small.sensor.seed = 0;
+        Self { options: small, bounces }
+    }
 }
 
 /// Plans for the rig of these options.
-pub fn compute(options: &SimulateOptions, job: &Job) -> Result<Planned, String> {
-    let mut grid = PlanGrid::default();
+pub fn compute(PlanFor { options, bounces }: &PlanFor, job: &Job) -> Result<Planned, String> {
+    let mut grid = PlanGrid { bounces: Some(*bounces), ..PlanGrid::default() };
     grid.frames.push(options.sensor.frames);
     grid.frames.sort_unstable();
     grid.frames.dedup();
@@ -44,13 +54,15 @@ pub fn compute(options: &SimulateOptions, job: &Job) -> Result<Planned, String> 
 }
 
 /// Shows the plan.
-pub fn ui(ui: &mut Ui, live: &Live<Planned>, frames: usize) {
+pub fn ui(ui: &mut Ui, live: &Live<PlanFor, Planned>, values: &mut Values) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Rig planner").strong());
         if live.is_busy() {
             ui.label("is being computed...");
         }
     });
+    order(ui, values);
+    let frames = values.frames;
     let Some(Planned { plan, advice: words }) = live.outcome().map(AsRef::as_ref) else {
         advice(ui, "The error of the normals that this rig can be expected to have comes here.");
         return;
@@ -87,6 +99,22 @@ pub fn ui(ui: &mut Ui, live: &Live<Planned>, frames: usize) {
         let of = if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") };
         curve(ui, &format!("Error in degrees against the ratio of albedos, {of}"), &plan.by_ratio, &ratio);
     }
+}
+
+/// The order m that the set will be separated with, where there is a choice.
+fn order(ui: &mut Ui, values: &mut Values) {
+    let (colours, chosen) = (values.albedos.len(), values.order());
+    if colours < 3 {
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Separated with order");
+        for m in 2..=colours {
+            if ui.radio(m == chosen, format!("m = {m}")).clicked() {
+                values.bounces = m;
+            }
+        }
+    });
 }
 
 /// What a plot's x axis is.

@@ -110,7 +110,7 @@ fn grey(plane: &Plane, white: f32) -> ColorImage {
 }
 
 /// Shows the preview.
-pub fn ui(ui: &mut Ui, live: &Live<Preview>, shown: &mut Shown) {
+pub fn ui(ui: &mut Ui, live: &Live<SimulateOptions, Preview>, shown: &mut Shown) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Preview").strong());
         if live.is_busy() {

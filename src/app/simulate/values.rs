@@ -8,6 +8,7 @@ use firstbounce_capture::mesh_file::read::LengthScale;
 
 /// Where a lens is put first: a few times as far as the built-in shapes are wide.
 const USUAL_DISTANCE_MM: f64 = 400.0;
+const USUAL_LAMP_SIDE_MM: f64 = 60.0;
 /// Of a new ring, as of the options' own.
 const USUAL_TILT_DEG: f64 = 20.0;
 
@@ -64,6 +65,29 @@ impl SceneKind {
     }
 }
 
+/// What the lamps are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LampKind {
+    #[default]
+    Distant,
+    Point,
+    Area,
+}
+
+impl LampKind {
+    /// All, in the order of a choice.
+    pub const ALL: [Self; 3] = [Self::Distant, Self::Point, Self::Area];
+
+    /// As a person reads it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Distant => "Far away",
+            Self::Point => "Near, small",
+            Self::Area => "Near, square",
+        }
+    }
+}
+
 /// What is chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
@@ -74,7 +98,14 @@ pub struct Values {
     pub flip: bool,
     pub patches: usize,
     pub albedos: Vec<f64>,
+    /// The order m that is planned for.
+    pub bounces: usize,
+    pub lamps: LampKind,
     pub tilt_deg: f64,
+    /// Of near lamps, from the object.
+    pub lamp_distance_mm: f64,
+    /// Of square lamps.
+    pub lamp_side_mm: f64,
     /// Of each lamp of the ring.
     pub intensities: Vec<f64>,
     pub is_perspective: bool,
@@ -104,7 +135,11 @@ impl Default for Values {
             flip: false,
             patches: options.patches,
             albedos: options.albedos,
+            bounces: 2,
+            lamps: LampKind::default(),
             tilt_deg: USUAL_TILT_DEG,
+            lamp_distance_mm: USUAL_DISTANCE_MM,
+            lamp_side_mm: USUAL_LAMP_SIDE_MM,
             intensities: options.lamps.iter().map(|lamp| lamp.intensity).collect(),
             is_perspective: false,
             distance_mm: USUAL_DISTANCE_MM,
@@ -136,6 +171,22 @@ impl Values {
         self.intensities.extend(fresh.iter().skip(self.intensities.len()).map(|lamp| lamp.intensity));
     }
 
+    /// The order m that these colours can be separated with.
+    pub fn order(&self) -> usize {
+        self.bounces.min(self.albedos.len())
+    }
+
+    fn ring(&self) -> Vec<LampOptions> {
+        let (count, tilt_deg, distance_mm) = (self.intensities.len(), self.tilt_deg, self.lamp_distance_mm);
+        let mut lamps = match self.lamps {
+            LampKind::Distant => LampOptions::ring(count, tilt_deg),
+            LampKind::Point => LampOptions::near_ring(count, tilt_deg, distance_mm, None),
+            LampKind::Area => LampOptions::near_ring(count, tilt_deg, distance_mm, Some(self.lamp_side_mm)),
+        };
+        lamps.iter_mut().zip(&self.intensities).for_each(|(lamp, intensity)| lamp.intensity = *intensity);
+        lamps
+    }
+
     /// The options that this stands for.
     ///
     /// # Errors
@@ -143,8 +194,6 @@ impl Values {
     pub fn options(&self, mesh: &MeshChoice) -> Result<SimulateOptions, String> {
         let measures = Measures { size_mm: Some(self.size_mm), angle_deg: self.scene.angle().map(|_| self.angle_deg) };
         let scene = self.scene.built_in(measures).map_or_else(|| mesh.scene(), Ok)?;
-        let mut lamps = LampOptions::ring(self.intensities.len(), self.tilt_deg);
-        lamps.iter_mut().zip(&self.intensities).for_each(|(lamp, intensity)| lamp.intensity = *intensity);
         let sensor = Sensor {
             full_well_electrons: self.full_well,
             read_noise_electrons: self.read_noise,
@@ -160,7 +209,7 @@ impl Values {
             scene,
             patches: self.patches,
             colours: SimulateOptions::colour_names(self.albedos.len()),
-            lamps,
+            lamps: self.ring(),
             lens: if self.is_perspective { distance } else { Lens::Orthographic },
             size_px: self.pixels,
             sensor: Sensor { black_level, ..sensor },

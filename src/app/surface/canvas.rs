@@ -200,7 +200,7 @@ fn describe(
     unit: &str,
 ) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), LABEL));
-    let names: Vec<_> = seen.iter().map(|seen| seen.name.title().to_lowercase()).collect();
+    let names: Vec<_> = seen.iter().map(|seen| seen.name.in_sentence()).collect();
     let bar = ScaleBar::of(frame, response.rect.width());
     let mut value = format!("{}, {}, scale bar {}", names.join(" and "), look.shade.name(), bar.words(unit));
     for picked in &state.picked {

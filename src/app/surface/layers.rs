@@ -9,7 +9,7 @@ use super::look::LayerName;
 use super::prepared::{Prepared, Source};
 use super::tool::ViewState;
 use crate::app::jobs::{Jobs, Task};
-use crate::app::results::Results;
+use crate::app::results::{ByNayar, Meshes};
 
 /// A surface, and the one that is being made ready in its place.
 #[derive(Default)]
@@ -26,6 +26,7 @@ struct Slot {
 pub struct Surfaces {
     after: Slot,
     before: Slot,
+    nayar: Slot,
     reference: Slot,
     pub(super) views: HashMap<u64, ViewState>,
 }
@@ -33,10 +34,16 @@ pub struct Surfaces {
 impl Surfaces {
     /// Makes ready what has changed. Once a frame for as long as a 3D view is on the screen; the last surfaces stay until the
     /// new ones are there.
-    pub fn update(&mut self, results: &Results, reference: Option<Arc<Mesh>>, jobs: &mut Jobs) {
-        let meshes = results.meshes();
+    pub fn update(
+        &mut self,
+        meshes: Option<Arc<Meshes>>,
+        by_nayar: Option<Arc<ByNayar>>,
+        reference: Option<Arc<Mesh>>,
+        jobs: &mut Jobs,
+    ) {
         self.after.update(meshes.clone().map(Source::After), LayerName::After, jobs);
         self.before.update(meshes.map(Source::Before), LayerName::Before, jobs);
+        self.nayar.update(by_nayar.map(Source::Nayar), LayerName::Nayar, jobs);
         self.reference.update(reference.map(Source::Scan), LayerName::Reference, jobs);
     }
 
@@ -52,7 +59,7 @@ impl Surfaces {
 
     /// Whether what is shown is what there is.
     pub fn is_at_rest(&self) -> bool {
-        [&self.after, &self.before, &self.reference].iter().all(|slot| slot.task.is_none())
+        LayerName::ALL.iter().map(|name| self.slot(*name)).all(|slot| slot.task.is_none())
     }
 
     /// What a view keeps.
@@ -64,6 +71,7 @@ impl Surfaces {
         match name {
             LayerName::After => &self.after,
             LayerName::Before => &self.before,
+            LayerName::Nayar => &self.nayar,
             LayerName::Reference => &self.reference,
         }
     }
@@ -85,7 +93,7 @@ impl Slot {
         let is_wanted = self.wanted.as_ref().is_some_and(|wanted| wanted.is(&source));
         if self.task.is_none() && !is_wanted {
             self.wanted = Some(source.clone());
-            let job = format!("Prepare the surface: {}", name.title().to_lowercase());
+            let job = format!("Prepare the surface: {}", name.in_sentence());
             self.task = Some(jobs.start(job, move |_| Prepared::new(source)));
         }
     }

@@ -11,20 +11,33 @@ pub enum LayerName {
     After,
     /// From the photos as they are.
     Before,
+    /// By Nayar's method, where it was asked for.
+    Nayar,
     /// A scan of the same object.
     Reference,
 }
 
 impl LayerName {
     /// All, in the order of the list.
-    pub const ALL: [Self; 3] = [Self::After, Self::Before, Self::Reference];
+    pub const ALL: [Self; 4] = [Self::After, Self::Before, Self::Nayar, Self::Reference];
 
     /// What it is called.
     pub fn title(self) -> &'static str {
         match self {
             Self::After => "Bounce 1",
             Self::Before => "Raw photos",
+            Self::Nayar => "Nayar's method",
             Self::Reference => "Reference",
+        }
+    }
+
+    /// The same within a sentence.
+    pub fn in_sentence(self) -> &'static str {
+        match self {
+            Self::After => "bounce 1",
+            Self::Before => "raw photos",
+            Self::Nayar => "Nayar's method",
+            Self::Reference => "reference",
         }
     }
 }
@@ -107,6 +120,8 @@ pub struct SurfaceLook {
     pub after: LayerLook,
     /// Raw photos: cyan.
     pub before: LayerLook,
+    /// Nayar's method: violet.
+    pub nayar: LayerLook,
     /// The scan: red.
     pub reference: LayerLook,
     /// When the layers wear these colours.
@@ -130,6 +145,7 @@ impl Default for SurfaceLook {
             wireframe: false,
             after: layer(true, [112, 196, 112]),
             before: layer(false, [84, 196, 214]),
+            nayar: layer(false, [178, 140, 222]),
             reference: layer(true, [222, 98, 88]),
             colours: LayerColours::default(),
             lens: Lens::default(),
@@ -145,6 +161,7 @@ impl SurfaceLook {
         match name {
             LayerName::After => &self.after,
             LayerName::Before => &self.before,
+            LayerName::Nayar => &self.nayar,
             LayerName::Reference => &self.reference,
         }
     }
@@ -154,6 +171,7 @@ impl SurfaceLook {
         match name {
             LayerName::After => &mut self.after,
             LayerName::Before => &mut self.before,
+            LayerName::Nayar => &mut self.nayar,
             LayerName::Reference => &mut self.reference,
         }
     }

@@ -70,20 +70,19 @@ fn shading(ui: &mut Ui, look: &mut SurfaceLook, document: &Document) {
 fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
     for name in LayerName::ALL {
         let is_there = session.surfaces.layer(name).is_some();
-        let title = name.title();
         let layer = look.layer_mut(name);
         ui.horizontal(|ui| {
-            let show = ui.add_enabled(is_there, Checkbox::new(&mut layer.visible, format!("Show {}", lower(title))));
-            if name == LayerName::Reference {
-                show.on_disabled_hover_text("Load a reference in the Shape step");
-            } else {
-                show.on_disabled_hover_text("This surface is not computed yet");
-            }
+            let show = ui.add_enabled(is_there, Checkbox::new(&mut layer.visible, format!("Show {}", name.in_sentence())));
+            show.on_disabled_hover_text(match name {
+                LayerName::Reference => "Load a reference in the Shape step",
+                LayerName::Nayar => "Tick \"Also solve by Nayar's method\" in the Shape step",
+                LayerName::After | LayerName::Before => "This surface is not computed yet",
+            });
         });
-        ui.indent(title, |ui| {
-            ui.checkbox(&mut layer.shaded, format!("Light {}", lower(title)));
+        ui.indent(name.title(), |ui| {
+            ui.checkbox(&mut layer.shaded, format!("Light {}", name.in_sentence()));
             ui.horizontal(|ui| {
-                let label = ui.label(format!("Colour of {}", lower(title)));
+                let label = ui.label(format!("Colour of {}", name.in_sentence()));
                 ui.color_edit_button_srgb(&mut layer.colour).labelled_by(label.id);
             });
         });
@@ -103,10 +102,6 @@ fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
             look.layer_mut(name).colour = own.layer(name).colour;
         }
     }
-}
-
-fn lower(title: &str) -> String {
-    title.to_lowercase()
 }
 
 /// Where the eye is, for the view's own menu.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::{Coarse, LengthUnit, Pickable};
 
-use crate::app::results::Meshes;
+use crate::app::results::{ByNayar, Meshes};
 use crate::gpu::mesh::Geometry;
 
 /// Meshes with more triangles are shown coarser.
@@ -20,6 +20,8 @@ pub enum Source {
     After(Arc<Meshes>),
     /// From the photos as they are.
     Before(Arc<Meshes>),
+    /// By Nayar's method.
+    Nayar(Arc<ByNayar>),
     /// A scan.
     Scan(Arc<Mesh>),
 }
@@ -30,6 +32,7 @@ impl Source {
         match self {
             Self::After(meshes) => &meshes.after,
             Self::Before(meshes) => &meshes.before,
+            Self::Nayar(found) => &found.mesh,
             Self::Scan(mesh) => mesh,
         }
     }
@@ -43,6 +46,7 @@ impl Source {
     pub fn is(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::After(a), Self::After(b)) | (Self::Before(a), Self::Before(b)) => Arc::ptr_eq(a, b),
+            (Self::Nayar(a), Self::Nayar(b)) => Arc::ptr_eq(a, b),
             (Self::Scan(a), Self::Scan(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }

@@ -13,8 +13,9 @@ const USUAL_ASPECT: f64 = 1.5;
 impl Session {
     /// Makes ready what 3D views show.
     pub fn update_surfaces(&mut self) {
+        let by_nayar = self.results.by_nayar().filter(|_| self.document().settings.nayar.compute);
         let reference = self.reference.mesh();
-        self.surfaces.update(&self.results, reference, &mut self.jobs);
+        self.surfaces.update(self.results.meshes(), by_nayar, reference, &mut self.jobs);
     }
 
     /// Takes the eye of a view to a named side.

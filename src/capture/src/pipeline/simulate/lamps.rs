@@ -50,6 +50,18 @@ impl LampOptions {
         Self::named(directions.iter().map(|d| LampPlace::Direction([d.x, d.y, d.z])))
     }
 
+    /// The same at a distance from the object: small lamps, or square ones of a side that face it.
+    pub fn near_ring(count: usize, tilt_deg: f64, distance_mm: f64, side_mm: Option<f64>) -> Vec<Self> {
+        let directions = directions_on_ring(count, tilt_deg);
+        Self::named(directions.iter().map(|direction| {
+            let centre_mm = (direction.into_inner() * distance_mm).into();
+            match side_mm {
+                None => LampPlace::Point(centre_mm),
+                Some(side_mm) => LampPlace::Area { centre_mm, side_mm },
+            }
+        }))
+    }
+
     /// Lamps light1, light2, .. that differ a little in strength, as real lamps do.
     pub fn named(places: impl IntoIterator<Item = LampPlace>) -> Vec<Self> {
         let lamp = |(l, place)| Self {
