@@ -39,6 +39,12 @@ fn a_simulated_set_goes_through_every_command() {
     let evaluation = firstbounce(place, ["evaluate", "set", "--json"]).json();
     let mean = |of: &str| evaluation["normal_error_deg"][of]["mean"].as_f64().unwrap();
     assert!(mean("separated") < 0.5 * mean("raw"), "{evaluation}");
+
+    // The set tells how bright its grey ball is, and with that how dark the paint.
+    let by_nayar = ["evaluate", "set", "--method", "nayar", "--patches", "300", "--json"];
+    let iterations = &firstbounce(place, by_nayar).json()["nayar"]["iterations"];
+    let degrees = |k: usize| iterations[k]["error_deg"]["mean"].as_f64().unwrap();
+    assert!((1..=3).all(|k| degrees(k) < degrees(0)), "{iterations}");
 }
 
 #[test]

@@ -258,8 +258,12 @@ fn capture_set(studio: &Studio, photos: &[StoredPhoto], spheres: Vec<Sphere>) ->
         direction: None,
         position_mm: lamp.lamp().position_mm().map(|p| [p.x, p.y, p.z]),
     };
+    // What alone tells how dark the paint is, where the other method needs to know.
+    let calibration =
+        set::Calibration { grey_albedo: options.balls.map(|balls| balls.grey_albedo), ..set::Calibration::default() };
     let mut set = CaptureSet {
         name: options.name.clone(),
+        calibration,
         mask: Some("mask.png".into()),
         camera,
         colours: options.colours.iter().map(colour).collect(),
