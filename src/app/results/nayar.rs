@@ -1,8 +1,7 @@
 //! The other method, for comparison: Nayar, Ikeuchi and Kanade 1991 on the photos of the reference colour.
 
 use firstbounce_capture::pipeline::{
-    AlbedoScale, Beginning, Known, NayarSolved, camera_of, raw_lights, simulate_away, triangulate,
-    white_light,
+    AlbedoScale, Beginning, Known, NayarSolved, camera_of, raw_lights, simulate_away, triangulate, white_light,
 };
 use firstbounce_core::mesh::MeshOptions;
 use firstbounce_core::nayar::NayarReport;

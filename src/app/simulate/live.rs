@@ -66,7 +66,9 @@ impl<O: PartialEq + Send + Sync + 'static, T: Send + 'static> Live<O, T> {
             self.error = None;
             match outcome {
                 Ok(outcome) => self.outcome = Some(Arc::new(outcome)),
-                Err(_) if is_cancelled => self.error = Some(format!("{name}: cancelled; it comes with the next change")),
+                Err(_) if is_cancelled => {
+                    self.error = Some(format!("{name}: cancelled; it comes with the next change"))
+                }
                 Err(line) => self.error = Some(line),
             }
         }

@@ -72,7 +72,8 @@ fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
         let is_there = session.surfaces.layer(name).is_some();
         let layer = look.layer_mut(name);
         ui.horizontal(|ui| {
-            let show = ui.add_enabled(is_there, Checkbox::new(&mut layer.visible, format!("Show {}", name.in_sentence())));
+            let show =
+                ui.add_enabled(is_there, Checkbox::new(&mut layer.visible, format!("Show {}", name.in_sentence())));
             show.on_disabled_hover_text(match name {
                 LayerName::Reference => "Load a reference in the Shape step",
                 LayerName::Nayar => "Tick \"Also solve by Nayar's method\" in the Shape step",

@@ -1,10 +1,11 @@
 //! `report.html`: one page that needs no other file.
 
 use firstbounce_core::Plane;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use rayon::prelude::*;
 
 use super::calibration::Row;
+use super::page::page;
 use super::{Picture, Pictures, Report, ShapeWords};
 use crate::pipeline::{PipelineError, Solved, Surfaced};
 use crate::set::CaptureSet;
@@ -25,36 +26,23 @@ pub fn overview(solved: &Solved) -> Picture {
 /// The page of a run.
 pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String, PipelineError> {
     let pictures = Pictures::of(&solved.object.mask);
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (report.set.name) " - Firstbounce" }
-                style { (PreEscaped(include_str!("report.css"))) }
-            }
-            body {
-                h1 { (report.set.name) }
-                p { (summary(report)) }
-                (warnings(report))
-                @if report.nayar.is_none() { (trust_section(report)) }
-                h2 { "Captures and bounces" }
-                @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
-                @if let Some(nayar) = &report.nayar { (nayar.section()) }
-                (shape_section(solved, report, pictures)?)
-                h2 { "Calibration" }
-                (calibration_table(report))
-                h2 { "Files" }
-                (export(report))
-                (files(report))
-                h2 { "Cost" }
-                (costs(report))
-                footer { (report.program) }
-            }
-        }
+    let body = html! {
+        p { (summary(report)) }
+        (warnings(report))
+        @if report.nayar.is_none() { (trust_section(report)) }
+        h2 { "Captures and bounces" }
+        @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
+        @if let Some(nayar) = &report.nayar { (nayar.section()) }
+        (shape_section(solved, report, pictures)?)
+        h2 { "Calibration" }
+        (calibration_table(report))
+        h2 { "Files" }
+        (export(report))
+        (files(report))
+        h2 { "Cost" }
+        (costs(report))
     };
-    Ok(page.into_string())
+    Ok(page(&report.set.name, "", &report.program, &body))
 }
 
 fn summary(report: &Report) -> String {

@@ -4,6 +4,7 @@ mod calibration;
 mod export;
 mod html;
 mod nayar;
+mod page;
 mod paper;
 mod pictures;
 mod plot;

@@ -2,9 +2,10 @@
 
 use firstbounce_core::lab::{Figure3Point, Paper, PaperErrors, PaperOptions, TableRow};
 use firstbounce_core::trust::gain_of_ratio;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use serde::Serialize;
 
+use super::page::page;
 use super::plot::{Axis, Bar, Curve, Plot, Scale, bars};
 
 /// What survives of the paper's own figures for one scene. The scan lost most cells of its Table 1.
@@ -161,50 +162,37 @@ impl Figure3Words {
 
 /// The page.
 pub fn paper_html(words: &PaperWords) -> String {
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "The paper's synthetic experiments - Firstbounce" }
-                style { (PreEscaped(include_str!("report.css"))) (PreEscaped(include_str!("plot.css"))) }
-            }
-            body {
-                h1 { "The paper's synthetic experiments" }
-                p {
-                    "Liao, Huang, Yang: \"Interreflection Removal for Photometric Stereo by Using Spectrum-dependent Albedo\", \
-                     CVPR 2011, done again with this program's own radiosity, in pictures of "
-                    (words.size_px) " x " (words.size_px) " pixels. The paper leaves its lamps, its first scene's albedos and its \
-                     second scene's shape open: here three equal lamps stand 20 degrees from the camera's axis, the corner's \
-                     albedos are 0.5 and 0.25, and the second scene is a tray with a ball and a block in it. So figures can be \
-                     compared in size, not digit by digit."
-                }
-                h2 { "Table 1" }
-                (table(words))
-                p {
-                    "Errors are means over the pixels that all three lamps light, in pictures of 8 bits like the paper's; \
-                     \"no noise\" is the same without noise or rounding. Where the pictures hold as many bounces as are separated, \
-                     the model is exact and what is left is rounding; with all bounces, what bounced more often is charged to \
-                     the bounces that are separated. The paper's figures are those that survive in its scan."
-                }
-                (degrees(words))
-                h2 { "Figure 3" }
-                p {
-                    "Error of bounce 1 against the ratio of the two albedos, for the corner under light of two bounces. It grows \
-                     to both sides of 1, where two colours see the same paint, and toward 0, where the second colour sees hardly \
-                     any. The dashed line is equation 5's gain for even noise, through the curve of 14 bits at 0.5."
-                }
-                figure { (figure3(words).svg()) }
-                details {
-                    summary { "The numbers" }
-                    (figure3_table(words))
-                }
-                footer { (words.program) }
-            }
+    let body = html! {
+        p {
+            "Liao, Huang, Yang: \"Interreflection Removal for Photometric Stereo by Using Spectrum-dependent Albedo\", \
+             CVPR 2011, done again with this program's own radiosity, in pictures of "
+            (words.size_px) " x " (words.size_px) " pixels. The paper leaves its lamps, its first scene's albedos and its \
+             second scene's shape open: here three equal lamps stand 20 degrees from the camera's axis, the corner's \
+             albedos are 0.5 and 0.25, and the second scene is a tray with a ball and a block in it. So figures can be \
+             compared in size, not digit by digit."
+        }
+        h2 { "Table 1" }
+        (table(words))
+        p {
+            "Errors are means over the pixels that all three lamps light, in pictures of 8 bits like the paper's; \
+             \"no noise\" is the same without noise or rounding. Where the pictures hold as many bounces as are separated, \
+             the model is exact and what is left is rounding; with all bounces, what bounced more often is charged to \
+             the bounces that are separated. The paper's figures are those that survive in its scan."
+        }
+        (degrees(words))
+        h2 { "Figure 3" }
+        p {
+            "Error of bounce 1 against the ratio of the two albedos, for the corner under light of two bounces. It grows \
+             to both sides of 1, where two colours see the same paint, and toward 0, where the second colour sees hardly \
+             any. The dashed line is equation 5's gain for even noise, through the curve of 14 bits at 0.5."
+        }
+        figure { (figure3(words).svg()) }
+        details {
+            summary { "The numbers" }
+            (figure3_table(words))
         }
     };
-    page.into_string()
+    page("The paper's synthetic experiments", include_str!("plot.css"), &words.program, &body)
 }
 
 fn table(words: &PaperWords) -> Markup {
