@@ -27,7 +27,7 @@ pub enum Open {
     /// A folder without a capture.toml: a new set of the pictures in it.
     New(PathBuf),
     /// An unsaved document of an earlier run, and the folder that keeps it.
-    Recovered(PathBuf, Recovered),
+    Recovered(PathBuf, Box<Recovered>),
 }
 
 /// An open set and everything around it.

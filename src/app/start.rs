@@ -91,7 +91,7 @@ impl StartScreen {
                 ui.label(format!("The last run ended before \"{}\" was saved.", kept.title));
                 ui.horizontal(|ui| {
                     if ui.button(format!("Restore {}", kept.title)).clicked() {
-                        *open = Some(Open::Recovered(folder.clone(), kept.clone()));
+                        *open = Some(Open::Recovered(folder.clone(), Box::new(kept.clone())));
                         done = Some(index);
                     }
                     if ui.button(format!("Discard {}", kept.title)).clicked() {
