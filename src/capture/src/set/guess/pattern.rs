@@ -234,11 +234,13 @@ fn subject_of_word(word: &str) -> Option<Subject> {
     Subject::from_word(&found).or_else(|| SUBJECT_WORDS.iter().find(|(_, words)| means(words)).map(|(s, _)| *s))
 }
 
-/// Dark frames and flat fields stand beside the photos and follow no pattern of theirs: "dark.png", "flat-03.tif".
+/// Dark frames and flat fields stand beside the photos and follow no pattern of theirs: "dark.png", "flat-03.tif". A lamp
+/// may well be called black or white.
 pub(super) fn correction_of_name(file: &Path) -> Option<Subject> {
     let stem = file.file_stem()?.to_string_lossy();
     let word = stem.trim_end_matches(|c: char| c.is_ascii_digit() || "-_ ".contains(c));
-    subject_of_word(word).filter(|subject| matches!(subject, Subject::Dark | Subject::FlatField))
+    let is_correction = |subject: &Subject| matches!(subject, Subject::Dark | Subject::FlatField);
+    subject_of_word(word).filter(is_correction).filter(|_| !matches!(&*word.to_lowercase(), "black" | "white"))
 }
 
 impl fmt::Display for Pattern {
