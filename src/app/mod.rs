@@ -2,6 +2,7 @@
 //!
 //! [`session::Session`] holds everything that panels and views may reach; [`window::Window`] is the window around it.
 
+mod bars;
 pub mod canvas;
 pub mod commands;
 mod device;

@@ -154,14 +154,16 @@ impl Session {
             Open::Set(path) => Editor::open(path).map_err(|error| error.to_string()),
             Open::Demo => self.open_demo(),
             Open::New(folder) => Ok(Editor::untitled(folder)),
-            Open::Recovered(folder, kept) => {
-                self.recovery.discard(folder);
-                Ok(Editor::recovered(&kept.text, kept.path.clone(), kept.settings.clone()))
-            }
+            Open::Recovered(_, kept) => Ok(Editor::recovered(&kept.text, kept.path.clone(), kept.settings.clone())),
         };
         match opened {
             Ok(editor) => self.take(editor),
-            Err(line) => self.error(line),
+            Err(line) => return self.error(line),
+        }
+        if let Open::Recovered(folder, _) = &open {
+            // Only what this run keeps may be forgotten there.
+            super::document::save_everything_now();
+            self.recovery.discard(folder);
         }
     }
 
@@ -177,6 +179,7 @@ impl Session {
         self.close();
         self.editor = editor;
         self.noted = self.document();
+        self.recovery.note(self.editor.is_dirty().then(|| self.noted.clone()));
         self.is_open = true;
         self.opened += 1;
         let document = self.document();
@@ -239,6 +242,7 @@ impl Session {
     pub fn save(&mut self) {
         match self.editor.save() {
             Ok(()) => {
+                self.saved_all();
                 self.keep_layout();
                 self.changed_on_disk = false;
                 self.done(format!("Saved {}", self.editor.path().display()));
@@ -247,11 +251,19 @@ impl Session {
         }
     }
 
+    /// Nothing is left to recover.
+    fn saved_all(&mut self) {
+        self.noted = self.document();
+        self.recovery.note(None);
+        self.recovery.keep();
+    }
+
     /// Saves the document into another folder, whose set it is from now on.
     pub fn save_as(&mut self, folder: &Path) {
         match self.editor.save_as(folder) {
             Ok(()) => {
                 self.disk = Some(DiskWatch::new(self.editor.path().to_owned(), self.jobs.wake()));
+                self.saved_all();
                 self.preferences.opened(folder);
                 self.remember();
                 self.keep_layout();

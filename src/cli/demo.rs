@@ -41,12 +41,13 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     if args.no_window || !app::has_display() { Ok(()) } else { app::run(Start::Set(set.folder)) }
 }
 
-/// Puts the demo set into `folder`, where a person can look at it and change it; returns the folder.
+/// Puts the demo set into `folder`, where a person can look at it and change it: what is there already stays. Returns the
+/// folder.
 pub fn unpack(folder: &Path) -> anyhow::Result<&Path> {
     let output = OutputFolder::stage(folder)?;
     let mut pending = vec![&DEMO];
     while let Some(dir) = pending.pop() {
-        for file in dir.files() {
+        for file in dir.files().filter(|file| !folder.join(file.path()).exists()) {
             std::fs::write(output.file(file.path())?, file.contents())?;
         }
         pending.extend(dir.dirs());

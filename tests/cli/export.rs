@@ -105,6 +105,28 @@ fn what_an_earlier_run_wrote_and_this_one_does_not_is_taken_away() {
 }
 
 #[test]
+fn no_file_of_a_person_is_replaced() {
+    let place = tempfile::tempdir().unwrap();
+    let set = tiny_set::write(place.path());
+    // A model of somebody's own, in a folder that results are asked into.
+    fs::create_dir_all(place.path().join("mine")).unwrap();
+    fs::write(place.path().join("mine/mesh.obj"), "# mine").unwrap();
+    let ran = firstbounce(place.path(), ["solve", "tiny", "--out", "mine"]);
+    assert!(ran.failure().contains("mesh.obj is a file of yours"), "{}", ran.err);
+    assert_eq!(fs::read_dir(place.path().join("mine")).unwrap().count(), 1);
+
+    // A photo of the set by the name of a result, and an earlier run that says it wrote one of that name.
+    let text = fs::read_to_string(set.join("capture.toml")).unwrap();
+    fs::rename(set.join("object/left-blue.png"), set.join("albedo.png")).unwrap();
+    fs::write(set.join("capture.toml"), text.replace("object/left-blue.png", "albedo.png")).unwrap();
+    solved(place.path(), &["--out", "fresh"]);
+    fs::copy(place.path().join("fresh/report.json"), set.join("report.json")).unwrap();
+    let before = fs::read(set.join("albedo.png")).unwrap();
+    assert!(firstbounce(place.path(), ["solve", "tiny", "--out", "tiny"]).failure().contains("albedo.png"));
+    assert_eq!(fs::read(set.join("albedo.png")).unwrap(), before);
+}
+
+#[test]
 fn the_lights_that_are_written_come_back() {
     let place = tempfile::tempdir().unwrap();
     let set = tiny_set::write(place.path());

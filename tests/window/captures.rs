@@ -113,3 +113,26 @@ fn a_file_that_is_gone_is_one_red_cell_that_says_why() {
     assert!(hands.harness.query_all_by_label_contains("top-green.png: cannot be read").count() >= 1);
     assert!(hands.session().results.loaded().unwrap().object.is_ok());
 }
+
+#[test]
+fn a_light_takes_its_new_name_when_it_is_typed_to_its_end_and_never_that_of_another() {
+    let mut hands = Hands::with_demo();
+    hands.rest();
+    hands.session().edit("Leave out a light", |document| document.settings.shape.left_out = vec!["left".into()]);
+    hands.harness.get_by_label("Names, lights and colours").click_accesskit();
+    hands.steps();
+    let lights = |hands: &mut Hands| {
+        let document = hands.session().document();
+        document.set.lights.iter().map(|light| light.name.clone()).collect::<Vec<_>>()
+    };
+    hands.retype("Light 1", "top");
+    assert_eq!(lights(&mut hands), ["left", "top", "right"], "still being typed");
+    hands.press(Modifiers::NONE, Key::Enter);
+    assert!(hands.sees("There is a light \"top\" already"));
+    hands.retype("Light 1", "topmost");
+    hands.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(lights(&mut hands), ["topmost", "top", "right"]);
+    let document = hands.session().document();
+    assert_eq!(document.settings.shape.left_out, ["topmost"]);
+    assert!(document.set.check().is_empty());
+}

@@ -31,6 +31,12 @@ pub enum SaveError {
         /// The file.
         path: PathBuf,
     },
+    /// "Save as" into the folder of another set.
+    #[error("{}: another set lies here: choose a new or empty folder", path.display())]
+    OtherSet {
+        /// Its file.
+        path: PathBuf,
+    },
     /// The folder of the set is gone.
     #[error("{}: this folder is gone: choose \"Save as\"", folder.display())]
     FolderGone {
@@ -54,6 +60,11 @@ impl FileOnDisk {
     pub fn of(path: PathBuf) -> Self {
         let text = fs::read_to_string(&path).ok();
         Self { path, text }
+    }
+
+    /// Whether there was a file.
+    pub fn is_there(&self) -> bool {
+        self.text.is_some()
     }
 
     /// Whether the file says something else now. A file that is gone is no change: saving makes it again.

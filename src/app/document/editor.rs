@@ -59,10 +59,15 @@ impl fmt::Display for Change {
     }
 }
 
+/// Wherever the program is started next, a path leads to the same place.
+fn whole(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
 impl Editor {
     /// Opens the set at `path`, its folder or its capture.toml, as far as it can be read.
     pub fn open(path: &Path) -> Result<Self, SetError> {
-        let reading = Reading::open(path)?;
+        let reading = Reading::open(&whole(path))?;
         let file = FileOnDisk::of(reading.set.file_path());
         let settings = disk::read_settings(&reading.set.folder);
         Ok(Self::of(reading, settings, file))
@@ -72,7 +77,7 @@ impl Editor {
     pub fn untitled(folder: &Path) -> Self {
         let mut editor = Self::default();
         let document = Arc::make_mut(&mut editor.document);
-        document.set.folder = folder.to_owned();
+        document.set.folder = whole(folder);
         editor.saved = editor.document.clone();
         editor.file = FileOnDisk::of(editor.document.set.file_path());
         editor.judge();
@@ -123,6 +128,7 @@ impl Editor {
     pub fn undo(&mut self) {
         self.begin_gesture();
         self.history.undo(&mut self.document);
+        self.stay_in_folder();
         self.judge();
     }
 
@@ -130,6 +136,7 @@ impl Editor {
     pub fn redo(&mut self) {
         self.begin_gesture();
         self.history.redo(&mut self.document);
+        self.stay_in_folder();
         self.judge();
     }
 
@@ -181,7 +188,9 @@ impl Editor {
         self.unread = if reading.complete { Vec::new() } else { reading.problems };
         self.begin_gesture();
         self.edit("Reload from disk", |document| document.set = reading.set);
-        self.saved = self.document.clone();
+        // What only the window knows was not in that file.
+        let settings = self.saved.settings.clone();
+        self.saved = Arc::new(Document { set: self.document.set.clone(), settings });
         self.judge();
         Ok(())
     }
@@ -195,11 +204,15 @@ impl Editor {
         Ok(())
     }
 
-    /// Saves the document into another folder, whose set it is from now on. Photos stay where they are.
+    /// Saves the document into another folder, whose set it is from now on. Photos stay where they are; a set that lies
+    /// there already is not replaced.
     pub fn save_as(&mut self, folder: &Path) -> Result<(), SaveError> {
         let document =
             Document { set: disk::relocated(&self.document.set, folder)?, settings: self.document.settings.clone() };
         let mut file = FileOnDisk::of(document.set.file_path());
+        if file.is_there() && file.path != self.file.path {
+            return Err(SaveError::OtherSet { path: file.path });
+        }
         file.write(&document, false)?;
         self.file = file;
         self.unread.clear();
@@ -208,6 +221,16 @@ impl Editor {
         self.saved = self.document.clone();
         self.judge();
         Ok(())
+    }
+
+    /// A step from before "Save as" names its files as seen from the folder of then.
+    fn stay_in_folder(&mut self) {
+        let Some(folder) = self.file.path.parent() else { return };
+        if self.document.set.folder != folder
+            && let Ok(set) = disk::relocated(&self.document.set, folder)
+        {
+            Arc::make_mut(&mut self.document).set = set;
+        }
     }
 
     fn judge(&mut self) {

@@ -25,3 +25,17 @@ pub struct Document {
     /// How the window solves the set.
     pub settings: Settings,
 }
+
+impl Document {
+    /// The set without the lights that the shape is recovered without.
+    pub fn used_set(&self) -> CaptureSet {
+        let used = |light: &String| !self.settings.shape.left_out.contains(light);
+        let mut set = self.set.clone();
+        set.lights.retain(|light| used(&light.name));
+        set.shots.retain(|shot| shot.light.as_ref().is_none_or(used));
+        set.calibration.alpha.retain(|light, _| used(light));
+        set.calibration.direction.retain(|light, _| used(light));
+        set.calibration.intensity.retain(|light, _| used(light));
+        set
+    }
+}

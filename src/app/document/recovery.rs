@@ -46,7 +46,7 @@ static UNSAVED: Mutex<Option<(PathBuf, Arc<Document>)>> = Mutex::new(None);
 impl Recovery {
     /// Recovery below `root`.
     pub fn new(root: PathBuf) -> Self {
-        let folder = root.join(format!("{}", std::process::id()));
+        let folder = free_folder(&root);
         let lock = fs::create_dir_all(&folder).and_then(|()| File::create(folder.join(LOCK)));
         // Without a lock the document is kept all the same; another run may offer it too early.
         let _lock = lock.ok().filter(|file| file.try_lock().is_ok());
@@ -92,6 +92,17 @@ impl Recovery {
         // The thread lives as long as this; were it gone, the panic hook still writes.
         let _ = self.noted.send(());
     }
+}
+
+/// A folder that no run has, and none has left behind: in a container every run has the same number.
+fn free_folder(root: &Path) -> PathBuf {
+    let id = std::process::id();
+    let mut folder = root.join(id.to_string());
+    let mut others = 1..;
+    while let Some(other) = others.next().filter(|_| folder.exists()) {
+        folder = root.join(format!("{id}-{other}"));
+    }
+    folder
 }
 
 impl Drop for Recovery {

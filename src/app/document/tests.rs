@@ -126,3 +126,51 @@ fn a_crash_leaves_the_unsaved_document_to_the_next_run_and_an_orderly_end_leaves
     }));
     assert!(panicked.is_err() && own.join("document.json").is_file());
 }
+
+#[test]
+fn another_run_of_the_same_number_takes_a_folder_of_its_own() {
+    let root = tempdir().unwrap();
+    let left_behind = root.path().join(std::process::id().to_string());
+    std::fs::create_dir_all(&left_behind).unwrap();
+    std::fs::write(left_behind.join("document.json"), "kept").unwrap();
+    let _run = Recovery::new(root.path().to_owned());
+    assert_eq!(std::fs::read_to_string(left_behind.join("document.json")).unwrap(), "kept");
+    assert_eq!(std::fs::read_dir(root.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn a_set_is_saved_beside_others_and_never_over_them() {
+    let (_folder, mut editor) = opened();
+    let other = tempdir().unwrap();
+    std::fs::write(other.path().join("capture.toml"), "schema = 1\nname = \"Other\"\n").unwrap();
+    let line = editor.save_as(other.path()).unwrap_err().to_string();
+    assert!(line.contains("another set lies here"), "{line}");
+    assert!(std::fs::read_to_string(other.path().join("capture.toml")).unwrap().contains("Other"));
+}
+
+#[test]
+fn undo_across_save_as_leaves_the_photos_where_they_are() {
+    let (folder, mut editor) = opened();
+    editor.edit("Choose a mask", |document| document.set.mask = Some("mask.png".into()));
+    editor.begin_gesture();
+    rename(&mut editor, "Jug");
+    let elsewhere = tempdir().unwrap();
+    editor.save_as(elsewhere.path()).unwrap();
+    editor.undo();
+    editor.undo();
+    assert_eq!(editor.document().set.name, "Vase");
+    editor.save().unwrap();
+    let saved = firstbounce_capture::set::Reading::open(elsewhere.path()).unwrap().set;
+    assert_eq!(saved.resolve(saved.mask.as_deref().unwrap()), folder.path().join("mask.png"));
+}
+
+#[test]
+fn settings_that_were_never_saved_are_not_lost_with_a_reload() {
+    let (folder, mut editor) = opened();
+    editor.edit("Change indirect window", |document| document.settings.shape.indirect_radius_px = 7);
+    std::fs::write(folder.path().join("capture.toml"), "schema = 1\nname = \"Jar\"\n").unwrap();
+    editor.reload().unwrap();
+    let document = editor.document();
+    assert_eq!((document.set.name.as_str(), document.settings.shape.indirect_radius_px), ("Jar", 7));
+    assert!(editor.is_dirty());
+}

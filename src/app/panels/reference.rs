@@ -1,23 +1,22 @@
 //! The reference scan: loading it, laying the surface onto it, and how far the two are apart.
 
 use eframe::egui::{Button, ComboBox, Grid, ProgressBar, RichText, Role, Ui, WidgetInfo};
-use egui_plot::{Bar, BarChart, Line, Plot, Points};
+use egui_plot::{Line, Plot, Points};
 use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::Compared;
 use firstbounce_core::compare::{Comparison, Start};
 
 use super::part;
+use crate::app::bars::Bars;
 use crate::app::dialogs::Choose;
 use crate::app::document::{Document, ReferenceSource};
 use crate::app::path_field::PathField;
 use crate::app::reference::{How, Outcome};
+use crate::app::results::{StageState, Step};
 use crate::app::session::Session;
 use crate::app::window::advice;
 
 const HEIGHT: f32 = 130.0;
-const BARS: usize = 48;
-/// Distances beyond this share at either end are left out of the histogram's range.
-const LEFT_OUT: f64 = 0.005;
 
 /// The part of the Shape step.
 #[derive(Default)]
@@ -137,7 +136,8 @@ fn align(ui: &mut Ui, session: &mut Session, document: &Document) {
 }
 
 fn numbers(ui: &mut Ui, session: &mut Session, document: &Document) {
-    let meshes = session.results.meshes();
+    let is_ready = session.results.state(Step::Mesh, document) == StageState::Ready;
+    let meshes = session.results.meshes().filter(|_| is_ready);
     let is_current = session.reference.is_current(document, meshes.as_ref());
     let Some(compared) = session.reference.compared() else {
         if session.reference.comparing().is_none() {
@@ -166,7 +166,7 @@ fn numbers(ui: &mut Ui, session: &mut Session, document: &Document) {
     if ui.button("Show the heat map").clicked() {
         session.show_heat_map();
     }
-    histogram(ui, &outcome.after.comparison);
+    histogram(ui, &outcome.bars, outcome.after.comparison.bias_mm);
     if let Some(alignment) = &outcome.after.alignment {
         iterations(ui, &alignment.iterations.iter().map(|step| step.rms_mm).collect::<Vec<_>>());
     }
@@ -212,38 +212,13 @@ fn table(ui: &mut Ui, outcome: &Outcome) {
     }
 }
 
-fn histogram(ui: &mut Ui, comparison: &Comparison) {
-    let (low, width, counts) = count(&comparison.signed_mm);
-    let bars = (0..)
-        .zip(&counts)
-        .map(|(index, count)| Bar::new(low + (f64::from(index) + 0.5) * width, *count as f64).width(width));
-    let chart = BarChart::new("vertices", bars.collect());
+fn histogram(ui: &mut Ui, bars: &Bars, bias_mm: f64) {
     let plot = Plot::new("distances").height(HEIGHT).allow_drag(false).allow_zoom(false).allow_scroll(false);
     let plot = plot.allow_boxed_zoom(false).x_axis_label("signed distance, mm").y_axis_label("vertices");
-    let shown = plot.show(ui, |plot| plot.bar_chart(chart));
-    let words = format!(
-        "Histogram of the distances of bounce 1 from {:.3} to {:.3} mm, mean {:.4} mm",
-        low,
-        low + width * BARS as f64,
-        comparison.bias_mm
-    );
+    let shown = plot.show(ui, |plot| plot.bar_chart(bars.chart("vertices")));
+    let [low, high] = bars.range();
+    let words = format!("Histogram of the distances of bounce 1 from {low:.3} to {high:.3} mm, mean {bias_mm:.4} mm");
     shown.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &words));
-}
-
-/// Where the first bar begins, how wide each is, and how many vertices each holds.
-fn count(signed_mm: &[Option<f32>]) -> (f64, f64, Vec<usize>) {
-    let mut sorted: Vec<f64> = signed_mm.iter().flatten().map(|signed| f64::from(*signed)).collect();
-    sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).or(sorted.last()).copied();
-    let (Some(low), Some(high)) = (at(LEFT_OUT), at(1.0 - LEFT_OUT)) else { return (0.0, 1.0, Vec::new()) };
-    let width = ((high - low) / BARS as f64).max(1e-9);
-    let mut counts = vec![0; BARS];
-    for signed in sorted {
-        if let Some(count) = counts.get_mut(((signed - low) / width).floor() as usize).filter(|_| signed >= low) {
-            *count += 1;
-        }
-    }
-    (low, width, counts)
 }
 
 fn iterations(ui: &mut Ui, rms_mm: &[f64]) {

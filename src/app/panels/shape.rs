@@ -2,6 +2,8 @@
 
 mod nayar;
 
+use std::sync::Arc;
+
 use eframe::egui::{Button, DragValue, Grid, RichText, Ui};
 use firstbounce_capture::pipeline::{Evaluation, Method, SolveOptions, evaluate};
 use firstbounce_core::shape::Shape;
@@ -22,9 +24,9 @@ const FEWEST_LIGHTS: usize = 3;
 /// The panel.
 #[derive(Default)]
 pub struct ShapePanel {
-    evaluating: Option<Task<Evaluation>>,
+    evaluating: Option<(Arc<Document>, Task<Evaluation>)>,
     /// What the truth said, and of which document.
-    evaluated: Option<(std::sync::Arc<Document>, Result<Evaluation, String>)>,
+    evaluated: Option<(Arc<Document>, Result<Evaluation, String>)>,
     reference: ReferencePanel,
 }
 
@@ -193,22 +195,24 @@ const ROWS: &[Row] = &[
 
 impl ShapePanel {
     /// For sets that know the truth.
-    fn truth(&mut self, ui: &mut Ui, session: &mut Session, document: &std::sync::Arc<Document>) {
+    fn truth(&mut self, ui: &mut Ui, session: &mut Session, document: &Arc<Document>) {
         if !document.set.truth_normals().is_file() {
             return;
         }
         ui.separator();
         ui.label(RichText::new("Against the truth of this set").strong());
-        if let Some(outcome) = self.evaluating.as_ref().and_then(Task::poll) {
+        let finished = self.evaluating.as_ref().and_then(|(of, task)| Some((of.clone(), task.poll()?)));
+        if finished.is_some() {
             self.evaluating = None;
-            self.evaluated = Some((document.clone(), outcome));
+            self.evaluated = finished;
         }
         let free = self.evaluating.is_none();
         if ui.add_enabled(free, Button::new("Compare with the truth")).clicked() {
-            let (set, options) = (document.set.clone(), options_of(document));
-            self.evaluating = Some(session.jobs.start("Compare with the truth", move |job| {
+            let (set, options) = (document.used_set(), options_of(document));
+            let task = session.jobs.start("Compare with the truth", move |job| {
                 evaluate(&set, &options, job).map_err(|error| error.to_string())
-            }));
+            });
+            self.evaluating = Some((document.clone(), task));
         }
         match &self.evaluated {
             Some((_, Err(line))) => {

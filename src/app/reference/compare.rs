@@ -8,6 +8,7 @@ use firstbounce_core::{Mesh, Portion, Watch};
 use nalgebra::Isometry3;
 
 use super::{Basis, News, Reference};
+use crate::app::bars::Bars;
 use crate::app::document::{Pose, Poses};
 use crate::app::jobs::{Job, Jobs};
 use crate::app::results::Meshes;
@@ -28,6 +29,8 @@ pub struct Outcome {
     pub after: Compared,
     /// From the raw photos, or why it could not be compared.
     pub before: Result<Compared, String>,
+    /// The distances of bounce 1.
+    pub bars: Bars,
 }
 
 impl Outcome {
@@ -111,5 +114,6 @@ fn outcome(how: &How, poses: Option<Poses>, meshes: &Meshes, reference: &Mesh, j
     if job.is_cancelled() {
         return Err("the comparison was cancelled".into());
     }
-    Ok(Outcome { after, before })
+    let bars = Bars::of(after.comparison.signed_mm.iter().flatten().map(|signed| f64::from(*signed)));
+    Ok(Outcome { after, before, bars })
 }

@@ -54,6 +54,11 @@ impl NewSet {
         self.is_open = true;
     }
 
+    /// Lets go of what was drawn by a card that is gone.
+    pub fn forget_card(&mut self) {
+        self.shown = Shown::default();
+    }
+
     /// Shows the window while it is open; a set that has been made.
     pub fn ui(&mut self, context: &Context, session: &mut Session) -> Option<Open> {
         let made = self.take_made(session);

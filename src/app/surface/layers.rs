@@ -62,6 +62,11 @@ impl Surfaces {
         LayerName::ALL.iter().map(|name| self.slot(*name)).all(|slot| slot.task.is_none())
     }
 
+    /// Lets go of what was drawn by a card that is gone.
+    pub fn forget_card(&mut self) {
+        self.views.values_mut().for_each(|view| view.kept = Arc::default());
+    }
+
     /// What a view keeps.
     pub fn view(&mut self, id: u64) -> &mut ViewState {
         self.views.entry(id).or_default()

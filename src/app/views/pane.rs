@@ -5,7 +5,7 @@ use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, Role, Ui, WidgetIn
 use firstbounce_core::photo::{CLIPPED, DARK};
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
-use super::picture::{Picture, picture};
+use super::picture::{Picture, outdated, picture};
 use super::{Arrange, Hover, Shown, View, picker};
 use crate::app::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
 use crate::app::number_field::up_to;
@@ -31,7 +31,12 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Pane
             ui.label(words);
         }
         match picture(&view.shown, &document, &session.results) {
-            Ok(shown) => canvas(ui, view, &shown, session, panels),
+            Ok(shown) => {
+                if let Some(line) = outdated(&view.shown, &document, &session.results) {
+                    ui.colored_label(ui.visuals().warn_fg_color, line);
+                }
+                canvas(ui, view, &shown, session, panels);
+            }
             Err(line) => advice_in_the_middle(ui, &line),
         }
     });
@@ -138,8 +143,8 @@ fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
     let mut gamma = look.gamma.unwrap_or(2.2);
     ui.horizontal(|ui| {
         let mut own = look.gamma.is_some();
-        ui.checkbox(&mut own, "Gamma instead of the sRGB curve");
-        ui.add_enabled(own, up_to(&mut gamma, 2).speed(0.02).range(0.2..=5.0).prefix("gamma "));
+        let name = ui.checkbox(&mut own, "Gamma instead of the sRGB curve");
+        ui.add_enabled(own, up_to(&mut gamma, 2).speed(0.02).range(0.2..=5.0)).labelled_by(name.id);
         look.gamma = own.then_some(gamma);
     });
     ui.separator();

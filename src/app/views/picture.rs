@@ -7,7 +7,7 @@ use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::Shown;
 use crate::app::document::Document;
-use crate::app::results::{MarksName, PlaneName, Results, ShotName, Stored, When};
+use crate::app::results::{MarksName, PlaneName, Results, ShotName, StageState, Step, Stored, When};
 use crate::gpu::{ColourMap, Display, Layer, Source, Tint};
 
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
@@ -273,16 +273,12 @@ fn has_scale(set: &CaptureSet) -> bool {
     !matches!(set.camera.projection, Projection::Orthographic { mm_per_pixel: None })
 }
 
-/// Why a picture is not there, and what to do.
-fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
-    use crate::app::results::{StageState, Step};
-    let step = match shown {
+/// The stage that a picture comes from. Bounces are computed of the photos while they are drawn.
+fn step_of(shown: &Shown) -> Step {
+    match shown {
         _ if shown.is_by_nayar() => Step::Nayar,
-        Shown::Photo(name) => return no_photo(name, document, results),
-        Shown::Bounce { .. } | Shown::Sum { .. } | Shown::FigureOne { .. } | Shown::Difference(..) => Step::Load,
-        Shown::Residual { .. } if results.rig(document).bounces >= document.set.colours.len() => {
-            return "with as many bounces as colours nothing is left over: choose a lower order in Separate".into();
-        }
+        Shown::Photo(_) | Shown::Bounce { .. } | Shown::Sum { .. } | Shown::FigureOne { .. } => Step::Load,
+        Shown::Difference(a, b) => step_of(a).max(step_of(b)),
         Shown::Residual { .. } | Shown::Noise { .. } | Shown::Marks { .. } => Step::Separate,
         Shown::Direct { .. }
         | Shown::NayarDirect { .. }
@@ -291,7 +287,29 @@ fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
         | Shown::NormalNoise(_)
         | Shown::Depth(_) => Step::Shape,
         Shown::Surface => Step::Mesh,
-    };
+    }
+}
+
+/// What keeps a picture that is shown from being that of the document: it is the last that could be made.
+pub fn outdated(shown: &Shown, document: &Document, results: &Results) -> Option<String> {
+    let step = step_of(shown);
+    match results.state(step, document) {
+        StageState::Failed { line } | StageState::Blocked { line } if step > Step::Load => {
+            Some(format!("Of earlier values: {line}"))
+        }
+        _ => None,
+    }
+}
+
+/// Why a picture is not there, and what to do.
+fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
+    if let Shown::Photo(name) = shown {
+        return no_photo(name, document, results);
+    }
+    if matches!(shown, Shown::Residual { .. }) && results.rig(document).bounces >= document.set.colours.len() {
+        return "with as many bounces as colours nothing is left over: choose a lower order in Separate".into();
+    }
+    let step = step_of(shown);
     match results.state(step, document) {
         StageState::Failed { line } | StageState::Blocked { line } => line,
         StageState::Stale | StageState::Running { .. } => format!("{step} is on its way"),

@@ -75,6 +75,8 @@ impl Window {
         creation.egui_ctx.data_mut(|data| *data = arranged);
         *self.context.lock() = creation.egui_ctx.clone();
         self.panels = Panels::default();
+        self.session.surfaces.forget_card();
+        self.chrome.simulated.forget_card();
         self.told = Default::default();
         self.prepare(creation);
     }
@@ -195,7 +197,7 @@ impl Window {
             }
             [first, ..] => {
                 let folder = first.parent().map(ToOwned::to_owned).unwrap_or_default();
-                self.open(Open::New(folder));
+                self.open(opening(folder));
                 self.panels.dropped(paths, &mut self.session);
             }
         }

@@ -1,6 +1,6 @@
 //! The strip below: jobs with progress and cancel, the last line of the log, and the log itself.
 
-use eframe::egui::{Label, Panel, ProgressBar, ScrollArea, TextWrapMode, Ui};
+use eframe::egui::{Label, Panel, ProgressBar, Role, ScrollArea, TextWrapMode, Ui, WidgetInfo};
 
 use crate::app::log::coloured;
 use crate::app::session::Session;
@@ -14,8 +14,10 @@ pub fn ui(ui: &mut Ui, session: &mut Session, log_is_open: &mut bool) {
             ui.toggle_value(log_is_open, "Log");
             for job in session.jobs.running() {
                 ui.add(ProgressBar::new(job.fraction()).desired_width(160.0).text(job.name()));
-                let cancel = ui.small_button("Cancel").on_hover_text(format!("Cancel: {}", job.name()));
-                if cancel.clicked() {
+                let cancel = ui.small_button("Cancel");
+                let what = format!("Cancel: {}", job.name());
+                cancel.widget_info(|| WidgetInfo::labeled(Role::Button, true, &what));
+                if cancel.on_hover_text(&what).clicked() {
                     job.cancel();
                 }
             }

@@ -24,6 +24,12 @@ pub enum WriteError {
         /// The file.
         path: PathBuf,
     },
+    /// A file that was never written by the program stands where one is to be written.
+    #[error("{} is a file of yours, which the results would replace: choose another folder", path.display())]
+    NotOurs {
+        /// The file.
+        path: PathBuf,
+    },
     /// A folder stands where a file is to be written.
     #[error("cannot write {}: a folder of this name is in the way", path.display())]
     FolderInTheWay {

@@ -269,12 +269,22 @@ pub fn name_box<'a>(ui: &mut Ui, label: &str, name: &mut String, known: impl Ite
             for known in names {
                 if ui.selectable_label(*name == known, known).clicked() {
                     chosen = Some(known.to_owned());
+                    ui.close();
                 }
             }
             let heading = ui.label("New name");
-            let field = ui.add(TextEdit::singleline(name).desired_width(100.0)).labelled_by(heading.id);
-            if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) || chosen.is_some() {
-                ui.close();
+            // Taken over when it is typed to its end: on the way it may be that of another.
+            let kept = ui.scope_id().with(("new name", label));
+            let mut typed = ui.data(|data| data.get_temp::<String>(kept)).unwrap_or_else(|| name.clone());
+            let field = ui.add(TextEdit::singleline(&mut typed).desired_width(100.0)).labelled_by(heading.id);
+            if field.lost_focus() {
+                ui.data_mut(|data| data.remove::<String>(kept));
+                chosen = chosen.or_else(|| Some(typed.trim().to_owned()));
+                if ui.input(|input| input.key_pressed(Key::Enter)) {
+                    ui.close();
+                }
+            } else if field.changed() {
+                ui.data_mut(|data| data.insert_temp(kept, typed));
             }
             if let Some(chosen) = chosen {
                 *name = chosen;

@@ -1,6 +1,6 @@
 //! The set's name, its lights and its colours.
 
-use eframe::egui::{Button, ComboBox, Role, TextEdit, Ui, WidgetInfo};
+use eframe::egui::{Button, ComboBox, Key, Role, TextEdit, Ui, WidgetInfo};
 use firstbounce_capture::set::{CaptureSet, Channel, Word};
 
 use crate::app::session::Session;
@@ -19,9 +19,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
         for (index, light) in set.lights.iter().enumerate() {
             let used = set.shots.iter().any(|shot| shot.light.as_ref() == Some(&light.name));
             ui.horizontal_wrapped(|ui| match named(ui, "Light", index, &light.name, used) {
-                Some(Change::Name(name)) => {
-                    session.edit("Rename light", |document| document.set.rename_light(index, &name));
-                }
+                Some(Change::Name(name)) => rename_light(session, index, &name),
                 Some(Change::Remove) => session.edit("Remove light", |document| {
                     remove_light(&mut document.set, index);
                 }),
@@ -33,9 +31,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
             let used = set.shots.iter().any(|shot| shot.colour.as_ref() == Some(&colour.name));
             ui.horizontal_wrapped(|ui| {
                 match named(ui, "Colour", index, &colour.name, used) {
-                    Some(Change::Name(name)) => {
-                        session.edit("Rename colour", |document| document.set.rename_colour(index, &name));
-                    }
+                    Some(Change::Name(name)) => rename_colour(session, index, &name),
                     Some(Change::Remove) => session.edit("Remove colour", |document| {
                         document.set.colours.remove(index);
                     }),
@@ -59,20 +55,48 @@ enum Change {
     Remove,
 }
 
+/// A name that is taken over when it is typed to its end: on the way it may be that of another.
 fn named(ui: &mut Ui, what: &str, index: usize, name: &str, used: bool) -> Option<Change> {
-    let mut new = name.to_owned();
-    let field = ui.add(TextEdit::singleline(&mut new).desired_width(90.0));
+    let kept = ui.scope_id().with(("typed name", what, index));
+    let mut typed = ui.data(|data| data.get_temp::<String>(kept)).unwrap_or_else(|| name.to_owned());
+    let field = ui.add(TextEdit::singleline(&mut typed).desired_width(90.0));
     field.widget_info(|| {
         let mut info = WidgetInfo::labeled(Role::TextInput, true, format!("{what} {}", index + 1));
-        info.current_text_value = Some(name.to_owned());
+        info.current_text_value = Some(typed.clone());
         info
     });
+    if field.lost_focus() {
+        ui.data_mut(|data| data.remove::<String>(kept));
+        let given_up = ui.input(|input| input.key_pressed(Key::Escape));
+        let new = typed.trim();
+        return (!given_up && !new.is_empty() && new != name).then(|| Change::Name(new.to_owned()));
+    }
     if field.changed() {
-        return Some(Change::Name(new));
+        ui.data_mut(|data| data.insert_temp(kept, typed));
     }
     let remove = ui.add_enabled(!used, Button::new("Remove").small());
     remove.widget_info(|| WidgetInfo::labeled(Role::Button, !used, format!("Remove {what} {name}")));
     remove.on_disabled_hover_text("Photos use it").clicked().then_some(Change::Remove)
+}
+
+fn rename_light(session: &mut Session, index: usize, name: &str) {
+    let document = session.document();
+    let Some(old) = document.set.lights.get(index).map(|light| light.name.clone()) else { return };
+    if document.set.light_index(name).is_some() {
+        return session.error(format!("There is a light \"{name}\" already: choose another name"));
+    }
+    session.edit("Rename light", |document| {
+        document.set.rename_light(index, name);
+        let left_out = &mut document.settings.shape.left_out;
+        left_out.iter_mut().filter(|light| **light == old).for_each(|light| *light = name.to_owned());
+    });
+}
+
+fn rename_colour(session: &mut Session, index: usize, name: &str) {
+    if session.document().set.colour_index(name).is_some() {
+        return session.error(format!("There is a colour \"{name}\" already: choose another name"));
+    }
+    session.edit("Rename colour", |document| document.set.rename_colour(index, name));
 }
 
 fn channel_box(ui: &mut Ui, label: &str, channel: &mut Channel) {

@@ -53,8 +53,16 @@ pub fn ui(ui: &mut Ui, session: &mut Session, name: &ShotName, selected: &mut Op
         });
         *selected = None;
     } else if new != *old {
-        *selected = Some(ShotName::of(&new));
-        session.edit(&format!("Change {title}"), |document| document.set.shots[index] = new);
+        let name = ShotName::of(&new);
+        if document.set.shots.iter().enumerate().any(|(other, shot)| other != index && ShotName::of(shot) == name) {
+            let there = Shown::Photo(name).title();
+            return session.error(format!("There is a photo \"{there}\" already: remove it first, or add files to it"));
+        }
+        *selected = Some(name);
+        session.edit(&format!("Change {title}"), |document| {
+            document.set.know_names(new.light.as_deref(), new.colour.as_deref());
+            document.set.shots[index] = new;
+        });
     }
 }
 

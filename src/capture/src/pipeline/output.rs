@@ -17,10 +17,14 @@ use crate::image_file::{ExrLayer, ImageError, depth_png, normals_png, write_exr}
 use crate::report::{ExportWords, Report, html, overview, unit_word};
 use crate::set::CaptureSet;
 
+use earlier::Earlier;
 pub use options::OutputOptions;
 
 /// Writes every result into `folder`, which was staged before the work began so that an unwritable one is known early, and
 /// returns the report that lies there too. Until all of it is written, nothing in the folder changes.
+///
+/// # Errors
+/// `WriteError::NotOurs` where a file would take the place of one that no earlier run wrote, or of one of the set.
 pub fn write_solved(
     set: &CaptureSet,
     solved: &mut Solved,
@@ -30,7 +34,8 @@ pub fn write_solved(
 ) -> Result<Report, PipelineError> {
     options.check()?;
     let mut folder = folder;
-    earlier::retire_earlier(&mut folder);
+    let earlier = Earlier::of(folder.target());
+    earlier.retire(&mut folder);
     let mut stages = std::mem::take(&mut solved.stages);
     let mut files = Files { folder, written: IndexMap::new() };
     let written =
@@ -42,6 +47,7 @@ pub fn write_solved(
     write_bytes(&path, &overview(solved).png()?)?;
     files.note("report.json", "every number of this run");
     files.note("report.html", "this run on one page, with pictures");
+    earlier.check(set, &files.folder, files.written.keys())?;
     let report = Report::new(set, solved, options.green, export, files.written.clone());
     let json = serde_json::to_string_pretty(&report).map_err(PipelineError::Json)?;
     write_text(&files.folder.file("report.json")?, &(json + "\n"))?;

@@ -113,6 +113,7 @@ fn solve_by_bounces(
     options: &SolveOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Solved, PipelineError> {
+    options.indirect.check()?;
     let bounces = options.bounces.unwrap_or_else(|| set.bounces());
     let mut stages = Vec::new();
     let object = StageCost::measure(&mut stages, Stage::Load, || load_object(set, watch))?;

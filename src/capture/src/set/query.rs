@@ -124,6 +124,16 @@ impl CaptureSet {
         self.resolve(&self.truth.bounce.replace("{k}", &k.to_string()).replace("{light}", light))
     }
 
+    /// Adds the light and the colour of these names where the set has none.
+    pub fn know_names(&mut self, light: Option<&str>, colour: Option<&str>) {
+        if let Some(name) = light.filter(|name| self.light_index(name).is_none()) {
+            self.lights.push(Light { name: name.to_owned(), ..Light::default() });
+        }
+        if let Some(name) = colour.filter(|name| self.colour_index(name).is_none()) {
+            self.colours.push(Colour { name: name.to_owned(), channel: Channel::Grey });
+        }
+    }
+
     /// Gives a light another name wherever the set uses it.
     pub fn rename_light(&mut self, index: usize, name: &str) {
         let Some(light) = self.lights.get_mut(index) else { return };

@@ -223,8 +223,8 @@ impl Job<'_> {
         let overlap = pairs.overlap();
         self.refuse_no_overlap(&pairs, overlap)?;
         pairs.trim(self.options.trim);
-        let equations = MotionEquations::new(&pairs.kept)
-            .ok_or(CompareError::NoOverlap { overlap, minimum: self.options.minimum_overlap })?;
+        let equations =
+            MotionEquations::new(&pairs.kept).ok_or(CompareError::TooFewPairs { pairs: pairs.kept.len() })?;
         let (moving, fixed) = (-self.samples.centre.coords, -self.surface.centre.coords);
         self.watch.progress(1.0);
         Ok(Alignment {

@@ -90,6 +90,14 @@ pub enum CompareError {
         /// How many pairs were given.
         count: usize,
     },
+    /// A mesh of a few points fixes no position.
+    #[error(
+        "only {pairs} points of the mesh lie over the reference, too few to align: compare without aligning, or use a finer mesh"
+    )]
+    TooFewPairs {
+        /// How many lie over it.
+        pairs: usize,
+    },
     /// The surfaces do not lie on each other.
     #[error(
         "the meshes overlap by {:.1} % only (at least {:.0} % needed): check the units of both, or pick three pairs of \

@@ -14,6 +14,9 @@ use crate::mesh_topology::OpenEdges;
 /// keeps the border of a mesh on the border of its own copy.
 const BORDER_TOLERANCE: f64 = 1e-5;
 
+/// Normals of vertices that turn farther from the face than 20 degrees are those of a crease, not of a curve.
+const CREASE_COSINE: f64 = 0.939_692_620_785_908_4;
+
 /// A mesh with a bounding volume hierarchy, centred on `centre` so that f32 is enough wherever the mesh lies.
 pub(super) struct Surface {
     triangles: TriMesh,
@@ -30,7 +33,7 @@ pub(super) struct Surface {
 pub(super) struct Foot {
     /// Where it is, relative to the surface's centre.
     pub point: Point3<f64>,
-    /// The surface's unit normal there, interpolated between the vertices.
+    /// The surface's unit normal there, interpolated between the vertices; beside a crease that of the face.
     pub normal: Vector3<f64>,
     /// Whether the surface ends there and the asking point lies beyond its end.
     pub beyond_border: bool,
@@ -81,13 +84,15 @@ impl Surface {
 
         let smooth: Vector3<f32> = (0..3).map(|k| self.normals[corners[k] as usize] * weights[k]).sum();
         let flat = Vector3::from(self.triangles.triangle(triangle).scaled_normal().to_array());
-        let normal = smooth.cast::<f64>().try_normalize(0.0).or_else(|| flat.cast::<f64>().try_normalize(0.0))?;
+        let flat = flat.cast::<f64>().try_normalize(0.0);
+        let smooth = smooth.cast::<f64>().try_normalize(0.0);
+        let is_creased = smooth.zip(flat).is_some_and(|(smooth, flat)| smooth.dot(&flat) < CREASE_COSINE);
+        // A vertex on a crease has the mean of its two sides, which holds for neither: within a face its own normal does.
+        let on_face = matches!(location, TrianglePointLocation::OnFace(..));
+        let normal = if on_face && is_creased { flat } else { smooth.or(flat) }?;
         // Inside a triangle the offset is along its own normal; on an edge or corner only the mean of the neighbours
         // tells the sides apart.
-        let facing = match location {
-            TrianglePointLocation::OnFace(..) => flat.cast::<f64>(),
-            _ => normal,
-        };
+        let facing = if on_face { flat.unwrap_or(normal) } else { normal };
         let sideways = (offset - normal * normal.dot(&offset)).norm();
         let beyond_border = self.is_border(corners, location) && sideways > BORDER_TOLERANCE * self.diagonal_mm;
         let signed_mm = if offset.dot(&facing) < 0.0 { -offset.norm() } else { offset.norm() };

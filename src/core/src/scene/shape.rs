@@ -7,6 +7,9 @@ use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use super::SceneError;
 use crate::{Mesh, mesh::LengthUnit};
 
+/// From a speck to a kilometre: beyond that the tree of a single-precision ray tracer breaks down.
+const LENGTHS_MM: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
+
 /// A shape in the object frame, lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
@@ -71,8 +74,8 @@ impl Shape {
             Self::Bowl { radius_mm, .. } => &[("radius_mm", *radius_mm)],
             Self::Tray { side_mm } => &[("side_mm", *side_mm)],
         };
-        if let Some(&(what, value)) = lengths.iter().find(|(_, mm)| !(mm.is_finite() && *mm > 0.0)) {
-            return bad(what, value, "greater than 0");
+        if let Some(&(what, value)) = lengths.iter().find(|(_, mm)| !(LENGTHS_MM.contains(mm))) {
+            return bad(what, value, "between 0.001 and 1000000 mm");
         }
         match *self {
             Self::Corner { roll_deg, .. } if !roll_deg.is_finite() => bad("roll_deg", roll_deg, "finite"),

@@ -66,6 +66,14 @@ pub enum SimulateError {
         /// Its value.
         value: f64,
     },
+    /// alpha counts by the reference colour.
+    #[error("{light}: the first alpha is {value}; it is that of the reference colour and must be 1")]
+    ReferenceAlpha {
+        /// The light.
+        light: String,
+        /// What was given.
+        value: f64,
+    },
     /// A lamp that lights nothing that the camera sees.
     #[error("{light} lights nothing that the camera sees: move it toward the camera's side")]
     LampLightsNothing {

@@ -142,7 +142,9 @@ impl LampOptions {
         }
         match alpha.iter().find(|alpha| !(alpha.is_finite() && **alpha > 0.0)) {
             Some(&value) => bad("alpha", value),
-            None if (alpha[0] - 1.0).abs() > 1e-9 => bad("alpha of the reference colour, which is 1,", alpha[0]),
+            None if (alpha[0] - 1.0).abs() > 1e-9 => {
+                Err(SimulateError::ReferenceAlpha { light: self.name.clone(), value: alpha[0] })
+            }
             None => Ok(()),
         }
     }

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use firstbounce_core::Plane;
 use indexmap::IndexMap;
@@ -51,6 +52,8 @@ impl RigWords {
 
 /// Where the rig's values lie in the set's folder. No photographed set has them.
 const RIG: &str = "truth/rig.json";
+/// What lies closer together was written by one run.
+const SAME_TIME: Duration = Duration::from_secs(2);
 
 /// Whether a simulated set could be written into `folder`: to know before the work.
 ///
@@ -59,7 +62,7 @@ const RIG: &str = "truth/rig.json";
 pub fn check_folder(folder: &Path) -> Result<(), SimulateError> {
     drop(OutputFolder::stage(folder)?);
     if folder.join(RIG).is_file() {
-        return Ok(());
+        return refuse_edited(folder);
     }
     let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
     let mut names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
@@ -67,6 +70,18 @@ pub fn check_folder(folder: &Path) -> Result<(), SimulateError> {
         Some(found) => Err(SimulateError::ForeignFiles { folder: folder.to_owned(), found }),
         None => Ok(()),
     }
+}
+
+/// A person may have written into the capture file what only they know, or `calibrate --write` what it measured.
+fn refuse_edited(folder: &Path) -> Result<(), SimulateError> {
+    let written = |name: &str| folder.join(name).metadata().ok()?.modified().ok();
+    // Both are written within a moment.
+    let edited = written(RIG).map(|rig| rig + SAME_TIME) < written(crate::set::FILE_NAME);
+    if !edited {
+        return Ok(());
+    }
+    let found = format!("a {} that was changed since", crate::set::FILE_NAME);
+    Err(SimulateError::ForeignFiles { folder: folder.to_owned(), found })
 }
 
 /// A view that the window keeps beside a set, or what is being staged.
@@ -116,6 +131,7 @@ pub fn write_simulated(simulated: &Simulated, folder: &Path) -> Result<(), Simul
     );
     put(crate::set::FILE_NAME, (comment + &set.to_toml()).as_bytes())?;
     refuse_foreign_files(folder, &output.path())?;
+    refuse_edited(folder)?;
     Ok(output.commit()?)
 }
 

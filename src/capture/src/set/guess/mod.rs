@@ -10,7 +10,7 @@ use std::path::Path;
 pub use pattern::{Guess, Pattern, PatternError};
 pub use propose::propose;
 
-use super::model::{CaptureSet, Channel, Colour, Light, Shot, Subject};
+use super::model::{CaptureSet, Channel, Colour, Shot, Subject};
 
 /// How files become shots.
 #[derive(Clone, Debug)]
@@ -71,12 +71,7 @@ fn add_file(set: &mut CaptureSet, file: &Path, guess: &Guess, options: &GuessOpt
 /// Puts a file into the shot of a subject, light and colour, which is made if the set has none yet, as are light and
 /// colour. Returns the shot's index.
 pub fn assign(set: &mut CaptureSet, file: &Path, subject: Subject, light: Option<&str>, colour: Option<&str>) -> usize {
-    if let Some(name) = light.filter(|name| set.light_index(name).is_none()) {
-        set.lights.push(Light { name: name.to_owned(), ..Light::default() });
-    }
-    if let Some(name) = colour.filter(|name| set.colour_index(name).is_none()) {
-        set.colours.push(Colour { name: name.to_owned(), channel: Channel::Grey });
-    }
+    set.know_names(light, colour);
     let written = set.written(file);
     let same =
         |shot: &Shot| shot.subject == subject && shot.light.as_deref() == light && shot.colour.as_deref() == colour;
