@@ -82,6 +82,9 @@ fn separation_beats_the_photos_of_every_scene() {
         // Pixels on the bowl's steep rim are large.
         assert!(errors.true_direct.unwrap().mean < 1.0, "{scene}: {errors:?}");
         assert!(evaluation.pixels > 1000, "{scene}: {} pixels", evaluation.pixels);
+        // The bowl's rim is as steep as normals can tell.
+        let most_mm = if scene == "bowl" { 2.0 } else { 0.2 };
+        assert!(evaluation.depth_rmse_true_normals_mm.unwrap() < most_mm, "{scene}: {evaluation:?}");
     }
 }
 
@@ -91,9 +94,48 @@ fn near_lamps_before_a_pinhole_are_solved_as_such() {
     let mut lamps = LampOptions::named([place(-200.0, 40.0), place(30.0, 220.0), place(190.0, -150.0)]);
     lamps[2].place = LampPlace::Area { centre_mm: [190.0, -150.0, 700.0], side_mm: 20.0 };
     let lens = Lens::Perspective { working_distance_mm: 600.0 };
-    let errors = evaluated(&SimulateOptions { lamps, lens, ..small("groove") }).normal_error_deg;
-    assert!(errors.separated.mean < 0.5 * errors.raw.mean, "{errors:?}");
-    assert!(errors.true_direct.unwrap().mean < 1.0, "{errors:?}");
+    for scene in ["groove", "corner"] {
+        let found = evaluated(&SimulateOptions { lamps: lamps.clone(), lens, ..small(scene) });
+        let errors = found.normal_error_deg;
+        assert!(errors.separated.mean < 0.5 * errors.raw.mean, "{scene}: {errors:?}");
+        assert!(errors.true_direct.unwrap().mean < 1.0, "{scene}: {errors:?}");
+        // A pixel shows about 1 mm of either.
+        assert!(found.depth_rmse_true_normals_mm.unwrap() < 0.5, "{scene}: {found:?}");
+        assert!(found.depth_rmse_mm.unwrap() < 1.5, "{scene}: {found:?}");
+    }
+}
+
+/// The mean height over the pixels of the mask; before a pinhole that of the geometric mean distance.
+fn mean_height_mm(simulated: &Simulated, working_distance_mm: Option<f64>) -> f64 {
+    let pixels = simulated.truth.depth_mm.data().iter().zip(simulated.truth.mask.data());
+    let heights = pixels.filter(|(_, inside)| **inside).map(|(&height, _)| f64::from(height));
+    let count = simulated.truth.mask.count() as f64;
+    match working_distance_mm {
+        None => heights.sum::<f64>() / count,
+        Some(far) => far - (heights.map(|height| (far - height).ln()).sum::<f64>() / count).exp(),
+    }
+}
+
+#[test]
+fn every_scene_lies_where_its_depth_will_be_put() {
+    for scene in Scene::BUILT_IN {
+        for far in [None, Some(300.0)] {
+            let lens = far.map_or(Lens::Orthographic, |working_distance_mm| Lens::Perspective { working_distance_mm });
+            let height = mean_height_mm(&made(&SimulateOptions { lens, balls: None, ..small(scene) }), far);
+            // The mask leaves out the pixels of the border; a wall is 60 mm long.
+            assert!(height.abs() < 0.8, "{scene} through {lens:?}: {height} mm");
+        }
+    }
+}
+
+#[test]
+fn a_corner_under_near_lamps_is_as_large_as_it_is() {
+    let lamps = LampOptions::near_ring(3, 25.0, 350.0, None);
+    let lens = Lens::Perspective { working_distance_mm: 400.0 };
+    let found = evaluated(&SimulateOptions { lamps, lens, ..small("corner") });
+    assert!(found.normal_error_deg.true_direct.unwrap().mean < 1.0, "{found:?}");
+    assert!(found.depth_rmse_true_normals_mm.unwrap() < 0.5, "{found:?}");
+    assert!(found.depth_rmse_mm.unwrap() < 1.5, "{found:?}");
 }
 
 #[test]

@@ -17,7 +17,7 @@ use crate::{
 
 pub use balls::{BallPicture, LampSpot};
 pub use crosstalk::Crosstalk;
-pub use framing::{Lens, directions_on_ring, framed, framed_through, seen_from_behind};
+pub use framing::{Lens, directions_on_ring, framed, framed_through, mean_height_seen, seen_from_behind};
 pub use paper::{Figure3Point, Paper, PaperErrors, PaperOptions, TableRow, paper};
 pub use plan::{Plan, PlanOptions, PlanPoint, plan};
 pub use sensor::Sensor;

@@ -149,6 +149,23 @@ fn a_pinhole_is_as_far_as_asked_for_and_filled_to_the_same_share() {
 }
 
 #[test]
+fn the_mean_height_is_that_of_a_tilted_plane() {
+    // A square of 20 mm whose height runs from 3 to 7 mm.
+    let mut mesh = Shape::Groove { wall_mm: 10.0, length_mm: 20.0, angle_deg: 180.0 }.mesh(2).unwrap();
+    mesh.positions.iter_mut().for_each(|position| position.z = 5.0 + 0.2 * position.x);
+    let patches = Patches::from_mesh(&mesh).unwrap();
+    let (_, camera) = framed(mesh.clone(), 100).unwrap();
+    assert!((mean_height_seen(&patches, &camera).unwrap() - 5.0).abs() < 1e-3);
+    let (_, camera) = framed_through(mesh, Lens::Perspective { working_distance_mm: 100.0 }, 100).unwrap();
+    let found = mean_height_seen(&patches, &camera).unwrap();
+    // A pinhole 100 mm high sees the slope u = x / (100 - z) where z = 5 + 0.2 x, so 95 / (1 + 0.2 u) mm away.
+    let (first, last) = (-10.0 / 97.0, 10.0 / 93.0);
+    let log = |k: u32| (95.0 / (1.0 + 0.2 * (first + (last - first) * f64::from(k) / 1000.0))).ln();
+    let expected = 100.0 - ((0..=1000).map(log).sum::<f64>() / 1001.0).exp();
+    assert!((found - expected).abs() < 0.06, "{found} for {expected}");
+}
+
+#[test]
 fn a_surface_is_seen_from_the_side_it_shows() {
     let (mesh, camera) = framed(Shape::Tray { side_mm: 80.0 }.mesh(200).unwrap(), 100).unwrap();
     let behind = |mesh: &Mesh| seen_from_behind(&Patches::from_mesh(mesh).unwrap(), &camera);
