@@ -101,6 +101,20 @@ fn stl_corners_are_joined_and_a_header_that_says_solid_fools_nobody() {
 }
 
 #[test]
+fn a_text_stl_of_several_solids_is_all_of_them() {
+    let other = STL.replace("solid", "solid lid of the box").replace("vertex 1 0 0", "vertex -1 0 0");
+    let file = read(format!("{STL}\n{other}").as_bytes(), "stl");
+    assert_eq!((file.mesh.positions.len(), file.mesh.triangles.len()), (4, 2), "two triangles that share an edge");
+    // Cut off within the second, or between its end and that of the file.
+    for end in [other.len() / 2, other.find("endsolid").unwrap()] {
+        let cut = format!("{STL}{}", &other[..end]);
+        assert!(problem(cut, "stl").to_string().contains("cut off"));
+    }
+    // Lines may end as on other systems.
+    assert_eq!(read(format!("{STL}{other}").replace('\n', "\r\n").as_bytes(), "stl").mesh, file.mesh);
+}
+
+#[test]
 fn lengths_become_mm() {
     for (scale, mm) in
         [(MM, 1.0), (LengthScale::Centimetre, 10.0), (LengthScale::Metre, 1e3), (LengthScale::Inch, 25.4)]
