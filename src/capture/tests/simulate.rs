@@ -7,10 +7,11 @@ use std::path::Path;
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::simulate::{
-    BallOptions, LampOptions, LampPlace, Measures, PlanGrid, RigWords, Scene, SimulateError, SimulateOptions,
+    BallOptions, Exposure, LampOptions, LampPlace, Measures, PlanGrid, RigWords, Scene, SimulateError, SimulateOptions,
     Simulated, plan_rig, simulate, write_simulated,
 };
 use firstbounce_capture::pipeline::{Evaluation, Preference, SolveOptions, Unattended, calibrate, evaluate};
+use firstbounce_capture::set::Subject;
 use firstbounce_core::Unwatched;
 use firstbounce_core::lab::{Crosstalk, Lens, Sensor};
 use firstbounce_core::scene::Shape;
@@ -183,6 +184,20 @@ fn crosstalk_reaches_the_balls_too() {
         let expected = (pure[1] + leak) / (1.0 + leak * pure[1]);
         let alpha = known.as_ref().unwrap()[1].value;
         assert!((alpha / expected - 1.0).abs() < 2e-3, "{alpha} for {expected}");
+    }
+}
+
+#[test]
+fn the_brightest_pixel_is_as_bright_as_asked_for_with_crosstalk_too() {
+    for leak in [0.0, 0.3] {
+        let sensor = Sensor::noiseless(16);
+        let crosstalk = Some(Crosstalk::even(2, leak).unwrap());
+        let simulated =
+            made(&SimulateOptions { crosstalk, sensor, exposure: Exposure::Brightest(0.8), ..small("groove") });
+        let photos = simulated.photos.iter().filter(|photo| photo.subject != Subject::MirrorSphere);
+        let brightest = photos.flat_map(|photo| photo.stored.data().iter().copied()).fold(0.0, f32::max) / 65535.0;
+        assert!((brightest - 0.8).abs() < 1e-3, "{brightest} at a leak of {leak}");
+        assert_eq!(simulated.report.clipped_pixels, 0);
     }
 }
 
