@@ -220,6 +220,23 @@ fn the_plan_foretells_what_solving_finds() {
 }
 
 #[test]
+fn a_fixed_exposure_is_planned_as_it_is_photographed() {
+    let plan = |exposure| {
+        let grid = PlanGrid { frames: vec![1], ratios: vec![0.5], ..PlanGrid::default() };
+        let sensor = Sensor { read_noise_electrons: 0.0, ..Sensor::default() };
+        plan_rig(&SimulateOptions { exposure, sensor, ..small("groove") }, &grid, &Unwatched)
+    };
+    let noise = |light: f64| plan(Exposure::White(light)).unwrap().by_frames[0].noise_deg;
+    // Of a quarter of the light, photon noise is twice as large a part; and indirect light that is noisier is averaged less well.
+    let ratio = noise(0.1) / noise(0.4);
+    assert!((1.9..2.6).contains(&ratio), "{ratio}");
+    let other_paint = |exposure| plan(exposure).unwrap().by_ratio[0].noise_deg;
+    assert_eq!(other_paint(Exposure::White(0.1)), other_paint(Exposure::Brightest(0.85)), "exposed anew");
+    let refused = plan(Exposure::White(1e4)).unwrap_err().to_string();
+    assert!(refused.contains("lower the exposure"), "{refused}");
+}
+
+#[test]
 fn a_mesh_is_refined_and_photographed_from_its_front() {
     let coarse = Shape::Corner { wall_mm: 60.0, roll_deg: -10.0 }.mesh(6).unwrap().welded().0;
     let corner = |mesh| SimulateOptions { scene: Scene::Mesh { name: "scan".into(), mesh }, ..small("corner") };
