@@ -17,7 +17,7 @@ use crate::{
     photo::CLIPPED,
     radiosity::{BounceOptions, FormFactors},
     scene::{Lamp, RenderOptions, Rendering, render},
-    separate::{BounceSystem, LightPhotos, SeparateOptions, Separation, separate},
+    separate::{BounceSystem, LightPhotos, SeparateOptions, Separation, check_order, separate},
 };
 
 /// What is to be planned.
@@ -42,7 +42,7 @@ pub struct PlanOptions {
     /// Numbers of frames to look at.
     pub frames: Vec<usize>,
     /// Ratios of the last albedo to the first to look at; those between are spread evenly on a log scale. One that would
-    /// need an albedo of 1 or more is left out.
+    /// need an albedo of 1 or more, or colours too alike to tell the bounces apart, is left out.
     pub ratios: Vec<f64>,
     /// How the noise of the indirect light will be averaged.
     pub indirect: IndirectOptions,
@@ -142,6 +142,12 @@ pub fn plan(
 ) -> Result<Plan, LabError> {
     options.check()?;
     let paints = paints(options);
+    // The paint itself is refused before the work.
+    if let [own, ..] = paints.as_slice() {
+        for alpha in &own.alpha {
+            check_order(alpha, &own.beta(), options.bounces)?;
+        }
+    }
     let mut albedos: Vec<f64> = options.albedos.clone();
     for &albedo in paints.iter().flat_map(|paint| &paint.albedos) {
         if !albedos.contains(&albedo) {
@@ -205,8 +211,12 @@ fn paints(options: &PlanOptions) -> Vec<Paint> {
         Paint { alpha: makes_up(&albedos), albedos, ratio, white: None }
     };
     let physical = |paint: &Paint| paint.albedos.iter().all(|&albedo| albedo < 1.0);
+    let separable = |paint: &Paint| {
+        let (colours, beta) = (vec![1.0; paint.albedos.len()], paint.beta());
+        BounceSystem::new(&colours, &beta, &colours, options.bounces).is_ok()
+    };
     let varied = if own.len() > 1 { options.ratios.as_slice() } else { &[] };
-    let others = varied.iter().map(of_ratio).filter(physical);
+    let others = varied.iter().map(of_ratio).filter(physical).filter(separable);
     let ratio = own.last().zip(own.first()).map_or(1.0, |(last, first)| last / first);
     std::iter::once(Paint { albedos: own.clone(), alpha, ratio, white: options.white }).chain(others).collect()
 }

@@ -5,14 +5,14 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::{
-    Mesh, Plane, Projection,
+    Mesh, Plane, Projection, Unwatched,
     ball::{Ball, Circle, View},
     calibrate::{HighlightOptions, find_highlights},
     noise::NoiseModel,
     normals::Lamp,
     photo::{CLIPPED, Photo},
-    radiosity::Patches,
-    scene::Shape,
+    radiosity::{FormFactorOptions, Patches, form_factors},
+    scene::{self, Shape},
 };
 
 fn mean_and_variance(plane: &Plane) -> (f64, f64) {
@@ -76,6 +76,27 @@ fn crosstalk_is_its_matrix() {
     assert_eq!([mixed[0].at(0, 0), mixed[1].at(1, 0)], [2.0, 10.1]);
     assert!(matches!(Crosstalk::even(3, 0.1).unwrap().mix(&colours), Err(LabError::CrosstalkShape { .. })));
     assert!(Crosstalk::new(DMatrix::zeros(2, 3)).is_err());
+}
+
+#[test]
+fn a_ratio_that_cannot_be_separated_is_left_out_of_the_plan() {
+    let (mesh, camera) = framed(Shape::Corner { wall_mm: 60.0, roll_deg: 0.0 }.mesh(60).unwrap(), 24).unwrap();
+    let (factors, _) =
+        form_factors(Patches::from_mesh(&mesh).unwrap(), &FormFactorOptions::default(), &Unwatched).unwrap();
+    let lamps = directions_on_ring(3, 20.0).into_iter();
+    let lamps = lamps.map(|direction_to_light| scene::Lamp::Directional { direction_to_light, intensity: 1.0 });
+    let options = PlanOptions { lamps: lamps.collect(), ratios: vec![0.5, 0.99, 1.0], ..PlanOptions::default() };
+    let ratios = |options: &PlanOptions| -> Vec<f64> {
+        let found = plan(&factors, &camera, options, &Unwatched).unwrap();
+        found.by_ratio.iter().map(|point| point.ratio).collect()
+    };
+    assert_eq!(ratios(&options), [0.5]);
+    // Four colours between 1 and 0.95 are closer to one another than two.
+    let four = PlanOptions { albedos: vec![0.75, 0.6, 0.4, 0.2], ratios: vec![0.2, 0.95], ..options.clone() };
+    assert_eq!(ratios(&four), [0.2]);
+    assert_eq!(ratios(&PlanOptions { bounces: 1, ..options.clone() }), [0.5, 0.99, 1.0], "one bounce needs no ratio");
+    let alike = PlanOptions { albedos: vec![0.75, 0.745], ..options };
+    assert!(matches!(plan(&factors, &camera, &alike, &Unwatched), Err(LabError::Separate(_))));
 }
 
 fn ball(radius_px: f64) -> BallPicture {
