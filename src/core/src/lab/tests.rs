@@ -54,6 +54,16 @@ fn too_much_light_clips_and_is_marked() {
     assert_eq!(sensor.photograph(&light, 0).unwrap().marks, [0, 0, CLIPPED, CLIPPED]);
 }
 
+#[test]
+fn a_full_well_however_large_is_no_black_photo() {
+    for (full_well_electrons, exposure) in [(1e15, 1.0), (1e15, 1e6), (f64::INFINITY, 1.0)] {
+        let sensor = Sensor { full_well_electrons, exposure, ..Sensor::default() };
+        let stored = sensor.expose(&Plane::filled(1, 1, 0.5), 0).unwrap().at(0, 0);
+        let expected = (512.0 + 0.5 * exposure as f32 * (65535.0 - 512.0)).round().min(65535.0);
+        assert_eq!(stored, expected, "{full_well_electrons} electrons, exposure {exposure}");
+    }
+}
+
 proptest! {
     #[test]
     fn without_noise_light_survives_to_half_a_step(
@@ -207,6 +217,7 @@ fn what_is_out_of_range_is_refused() {
         Sensor { frames: 0, ..Sensor::default() },
         Sensor { full_well_electrons: f64::NAN, ..Sensor::default() },
         Sensor { exposure: 0.0, ..Sensor::default() },
+        Sensor { full_well_electrons: 1e20, ..Sensor::default() },
     ] {
         assert!(matches!(sensor.photograph(&Plane::filled(1, 1, 0.5), 0), Err(LabError::BadOption { .. })));
     }
