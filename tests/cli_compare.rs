@@ -173,6 +173,33 @@ fn the_heat_map_lies_on_the_reference_and_holds_the_distances() {
 }
 
 #[test]
+fn a_heat_map_without_a_place_costs_no_number() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let b = folder.ply("b.ply", &fixed);
+    // A file where its folder should be is told before anything is measured.
+    let inside = b.join("map.ply");
+    refused(&compare(&b, &b, &["--heat-map", inside.to_str().unwrap()]), &["b.ply"]);
+    // A folder of its name is told after the numbers.
+    let map = folder.path("map.ply");
+    fs::create_dir(&map).unwrap();
+    let output = compare(&b, &b, &["--json", "--heat-map", map.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("map.ply"));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(found["max_mm"].as_f64().unwrap() < 1e-4, "{found}");
+}
+
+#[test]
+fn a_mesh_in_pixels_has_no_distance_in_mm() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let b = folder.ply("b.ply", &fixed);
+    let a = folder.ply("a.ply", &Mesh { unit: LengthUnit::Pixel, ..fixed });
+    let output = compare(&a, &b, &[]);
+    let lines = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && lines.contains("the mesh to compare is in pixels"), "{lines}");
+}
+
+#[test]
 fn the_text_has_a_line_for_each_number() {
     let (folder, fixed) = (Folder::new(), relief());
     let b = folder.ply("b.ply", &fixed);

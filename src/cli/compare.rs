@@ -95,16 +95,21 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
     let (a, mut warnings) = read_comparable(&args.a, args.unit.into())?;
     let (b, warnings_b) = read_comparable(&args.b, args.unit_b.unwrap_or(args.unit).into())?;
     warnings.extend(warnings_b);
+    // A place that cannot be written to is found before the work, and what happens to it later costs no number.
+    let heat_map = args.heat_map.as_deref().map(HeatMap::stage).transpose()?;
     let measured = measure(args, &a, &b, &terminal);
     terminal.finish();
     let Compared { alignment, comparison, warnings: of_alignment } = measured?;
-    if let Some(path) = &args.heat_map {
-        write_heat_map(path, &a, alignment.as_ref(), &comparison)?;
-    }
+    let written = heat_map.map_or(Ok(()), |heat_map| heat_map.write(&a, alignment.as_ref(), &comparison));
     warnings.extend(of_alignment);
     print_warnings(&warnings);
     let words = CompareWords::of(&comparison, alignment.as_ref(), warnings);
-    if args.print.json { print_json(&words) } else { print(&text(args, &words)) }
+    if args.print.json {
+        print_json(&words)?
+    } else {
+        print(&text(args, &words))?
+    }
+    written
 }
 
 fn measure(args: &CompareArgs, a: &Mesh, b: &Mesh, terminal: &Terminal) -> anyhow::Result<Compared> {
@@ -118,21 +123,33 @@ fn pose(alignment: Option<&Alignment>) -> Isometry3<f64> {
     alignment.map_or_else(Isometry3::identity, |alignment| alignment.moving_to_fixed)
 }
 
-/// Writes A where it was laid, coloured up to the distance that 95 % stay below.
-fn write_heat_map(path: &Path, a: &Mesh, alignment: Option<&Alignment>, comparison: &Comparison) -> anyhow::Result<()> {
-    let range_mm = comparison.p95_mm as f32;
-    let mut mesh = a.clone().moved(&pose(alignment));
-    mesh.colours = colour_by_distance(&comparison.signed_mm, range_mm);
-    let values: Vec<_> = comparison.signed_mm.iter().map(|signed| signed.unwrap_or(f32::NAN)).collect();
-    let meaning = format!(
-        "signed distance to the reference in mm, positive outside, NaN without a counterpart; \
-         red is +{range_mm} mm and more, white 0, blue -{range_mm} mm and less"
-    );
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let output = OutputFolder::stage(folder)?;
-    let staged = output.file(path.file_name().unwrap_or_default())?;
-    write_ply(&staged, &mesh, Some(Quality { values: &values, meaning: &meaning }))?;
-    Ok(output.commit()?)
+/// A heat map that has a place on the disk, and no contents yet.
+struct HeatMap {
+    output: OutputFolder,
+    staged: PathBuf,
+}
+
+impl HeatMap {
+    fn stage(path: &Path) -> anyhow::Result<Self> {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let output = OutputFolder::stage(folder)?;
+        let staged = output.file(path.file_name().unwrap_or_default())?;
+        Ok(Self { output, staged })
+    }
+
+    /// Writes A where it was laid, coloured up to the distance that 95 % stay below.
+    fn write(self, a: &Mesh, alignment: Option<&Alignment>, comparison: &Comparison) -> anyhow::Result<()> {
+        let range_mm = comparison.p95_mm as f32;
+        let mut mesh = a.clone().moved(&pose(alignment));
+        mesh.colours = colour_by_distance(&comparison.signed_mm, range_mm);
+        let values: Vec<_> = comparison.signed_mm.iter().map(|signed| signed.unwrap_or(f32::NAN)).collect();
+        let meaning = format!(
+            "signed distance to the reference in mm, positive outside, NaN without a counterpart; \
+             red is +{range_mm} mm and more, white 0, blue -{range_mm} mm and less"
+        );
+        write_ply(&self.staged, &mesh, Some(Quality { values: &values, meaning: &meaning }))?;
+        Ok(self.output.commit()?)
+    }
 }
 
 impl CompareWords {

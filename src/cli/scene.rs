@@ -41,9 +41,9 @@ pub struct SceneArgs {
     /// Between the walls of a groove, or from a cap's axis to its edge [default: 90, or 60]
     #[arg(long, value_name = "DEGREES")]
     angle: Option<f64>,
-    /// What one unit of the mesh is
-    #[arg(long, value_enum, default_value_t = Unit::Mm)]
-    unit: Unit,
+    /// What one unit of the mesh is [default: mm]
+    #[arg(long, value_enum)]
+    unit: Option<Unit>,
     /// Turn the mesh's faces the other way round
     #[arg(long)]
     flip: bool,
@@ -137,6 +137,7 @@ impl SceneArgs {
 
     fn scene(&self) -> anyhow::Result<(Scene, Vec<String>)> {
         if let Some(scene) = Scene::built_in(&self.scene, Measures { size_mm: self.size, angle_deg: self.angle }) {
+            self.check_shape()?;
             return Ok((scene, Vec::new()));
         }
         let path = Path::new(&self.scene);
@@ -144,7 +145,28 @@ impl SceneArgs {
         if !path.exists() && path.extension().is_none() && path.components().count() < 2 {
             bail!("there is no scene \"{}\"; take {}, or a mesh file", self.scene, Scene::BUILT_IN.join(", "));
         }
-        Ok(Scene::read(path, self.unit.into(), self.flip)?)
+        for (given, option) in [(self.size.is_some(), "--size"), (self.angle.is_some(), "--angle")] {
+            if given {
+                bail!(
+                    "{option} is for the built-in shapes; a mesh file has its own measures, in the unit that --unit tells"
+                );
+            }
+        }
+        Ok(Scene::read(path, self.unit.unwrap_or(Unit::Mm).into(), self.flip)?)
+    }
+
+    /// Refuses what a built-in shape would take no notice of.
+    fn check_shape(&self) -> anyhow::Result<()> {
+        let scene = self.scene.as_str();
+        if self.angle.is_some() && !Scene::WITH_ANGLE.contains(&scene) {
+            bail!("--angle is for {}; leave it out for {scene}", Scene::WITH_ANGLE.join(" and "));
+        }
+        for (given, option) in [(self.unit.is_some(), "--unit"), (self.flip, "--flip")] {
+            if given {
+                bail!("{option} is for a mesh file; leave it out for {scene}");
+            }
+        }
+        Ok(())
     }
 
     fn lamps(&self) -> anyhow::Result<Vec<LampOptions>> {

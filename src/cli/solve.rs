@@ -65,6 +65,16 @@ enum MethodName {
 }
 
 impl MethodArgs {
+    /// Refuses an order where bounces are not told apart.
+    fn check(&self) -> anyhow::Result<()> {
+        match (self.method, self.bounces) {
+            (MethodName::Nayar, Some(_)) => {
+                anyhow::bail!("--bounces is for --method bounces; Nayar's method takes all of them away, leave it out")
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// As the pipeline takes them.
     pub fn options(&self) -> SolveOptions {
         let indirect = IndirectOptions { radius_px: self.indirect_window, ..IndirectOptions::default() };
@@ -80,6 +90,7 @@ impl MethodArgs {
 
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
+    args.method.check()?;
     let set = CaptureSet::open(&args.set.path)?;
     let folder = args.out.clone().unwrap_or_else(|| default_folder(&set));
     let report = solve_into(&set, &folder, &args.method.options(), &args.output.options())?;

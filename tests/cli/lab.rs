@@ -98,6 +98,10 @@ fn what_cannot_be_simulated_is_refused_in_one_line() {
         (&["corner", "--intensities", "1,2", "--out", "set"], &["2 intensities for 3 lamps"]),
         (&["cap", "--angle", "120", "--out", "set"], &["half_angle_deg", "120"]),
         (&["corner", "--bits", "20", "--out", "set"], &["bits"]),
+        (&["corner", "--angle", "70", "--out", "set"], &["--angle is for groove and cap"]),
+        (&["bowl", "--unit", "m", "--out", "set"], &["--unit is for a mesh file"]),
+        (&["tray", "--flip", "--out", "set"], &["--flip is for a mesh file"]),
+        (&["points.obj", "--size", "50", "--out", "set"], &["--size is for the built-in shapes"]),
         (&["corner", "--out", "mine"], &["mine", "letter.txt"]),
     ] {
         let ran = simulated(place, arguments);

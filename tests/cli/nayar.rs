@@ -80,6 +80,15 @@ fn without_a_scale_it_says_what_to_type() {
 }
 
 #[test]
+fn an_order_that_would_be_ignored_is_refused() {
+    let place = tempfile::tempdir().unwrap();
+    tiny_set::write(place.path());
+    let line = run(place.path(), &["solve", "tiny", "--bounces", "2"]).failure().to_owned();
+    assert!(line.contains("--bounces is for --method bounces"), "{line}");
+    assert!(!place.path().join("out").exists());
+}
+
+#[test]
 fn a_rendered_set_tells_the_error_after_each_iteration() {
     let place = tempfile::tempdir().unwrap();
     let demo = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo");

@@ -7,10 +7,11 @@ use std::path::Path;
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::simulate::{
-    BallOptions, LampOptions, LampPlace, Measures, PlanGrid, RigWords, Scene, SimulateError, SimulateOptions,
+    BallOptions, Exposure, LampOptions, LampPlace, Measures, PlanGrid, RigWords, Scene, SimulateError, SimulateOptions,
     Simulated, plan_rig, simulate, write_simulated,
 };
 use firstbounce_capture::pipeline::{Evaluation, Preference, SolveOptions, Unattended, calibrate, evaluate};
+use firstbounce_capture::set::Subject;
 use firstbounce_core::Unwatched;
 use firstbounce_core::lab::{Crosstalk, Lens, Sensor};
 use firstbounce_core::scene::Shape;
@@ -82,6 +83,9 @@ fn separation_beats_the_photos_of_every_scene() {
         // Pixels on the bowl's steep rim are large.
         assert!(errors.true_direct.unwrap().mean < 1.0, "{scene}: {errors:?}");
         assert!(evaluation.pixels > 1000, "{scene}: {} pixels", evaluation.pixels);
+        // The bowl's rim is as steep as normals can tell.
+        let most_mm = if scene == "bowl" { 2.0 } else { 0.2 };
+        assert!(evaluation.depth_rmse_true_normals_mm.unwrap() < most_mm, "{scene}: {evaluation:?}");
     }
 }
 
@@ -91,9 +95,48 @@ fn near_lamps_before_a_pinhole_are_solved_as_such() {
     let mut lamps = LampOptions::named([place(-200.0, 40.0), place(30.0, 220.0), place(190.0, -150.0)]);
     lamps[2].place = LampPlace::Area { centre_mm: [190.0, -150.0, 700.0], side_mm: 20.0 };
     let lens = Lens::Perspective { working_distance_mm: 600.0 };
-    let errors = evaluated(&SimulateOptions { lamps, lens, ..small("groove") }).normal_error_deg;
-    assert!(errors.separated.mean < 0.5 * errors.raw.mean, "{errors:?}");
-    assert!(errors.true_direct.unwrap().mean < 1.0, "{errors:?}");
+    for scene in ["groove", "corner"] {
+        let found = evaluated(&SimulateOptions { lamps: lamps.clone(), lens, ..small(scene) });
+        let errors = found.normal_error_deg;
+        assert!(errors.separated.mean < 0.5 * errors.raw.mean, "{scene}: {errors:?}");
+        assert!(errors.true_direct.unwrap().mean < 1.0, "{scene}: {errors:?}");
+        // A pixel shows about 1 mm of either.
+        assert!(found.depth_rmse_true_normals_mm.unwrap() < 0.5, "{scene}: {found:?}");
+        assert!(found.depth_rmse_mm.unwrap() < 1.5, "{scene}: {found:?}");
+    }
+}
+
+/// The mean height over the pixels of the mask; before a pinhole that of the geometric mean distance.
+fn mean_height_mm(simulated: &Simulated, working_distance_mm: Option<f64>) -> f64 {
+    let pixels = simulated.truth.depth_mm.data().iter().zip(simulated.truth.mask.data());
+    let heights = pixels.filter(|(_, inside)| **inside).map(|(&height, _)| f64::from(height));
+    let count = simulated.truth.mask.count() as f64;
+    match working_distance_mm {
+        None => heights.sum::<f64>() / count,
+        Some(far) => far - (heights.map(|height| (far - height).ln()).sum::<f64>() / count).exp(),
+    }
+}
+
+#[test]
+fn every_scene_lies_where_its_depth_will_be_put() {
+    for scene in Scene::BUILT_IN {
+        for far in [None, Some(300.0)] {
+            let lens = far.map_or(Lens::Orthographic, |working_distance_mm| Lens::Perspective { working_distance_mm });
+            let height = mean_height_mm(&made(&SimulateOptions { lens, balls: None, ..small(scene) }), far);
+            // The mask leaves out the pixels of the border; a wall is 60 mm long.
+            assert!(height.abs() < 0.8, "{scene} through {lens:?}: {height} mm");
+        }
+    }
+}
+
+#[test]
+fn a_corner_under_near_lamps_is_as_large_as_it_is() {
+    let lamps = LampOptions::near_ring(3, 25.0, 350.0, None);
+    let lens = Lens::Perspective { working_distance_mm: 400.0 };
+    let found = evaluated(&SimulateOptions { lamps, lens, ..small("corner") });
+    assert!(found.normal_error_deg.true_direct.unwrap().mean < 1.0, "{found:?}");
+    assert!(found.depth_rmse_true_normals_mm.unwrap() < 0.5, "{found:?}");
+    assert!(found.depth_rmse_mm.unwrap() < 1.5, "{found:?}");
 }
 
 #[test]
@@ -145,6 +188,20 @@ fn crosstalk_reaches_the_balls_too() {
 }
 
 #[test]
+fn the_brightest_pixel_is_as_bright_as_asked_for_with_crosstalk_too() {
+    for leak in [0.0, 0.3] {
+        let sensor = Sensor::noiseless(16);
+        let crosstalk = Some(Crosstalk::even(2, leak).unwrap());
+        let simulated =
+            made(&SimulateOptions { crosstalk, sensor, exposure: Exposure::Brightest(0.8), ..small("groove") });
+        let photos = simulated.photos.iter().filter(|photo| photo.subject != Subject::MirrorSphere);
+        let brightest = photos.flat_map(|photo| photo.stored.data().iter().copied()).fold(0.0, f32::max) / 65535.0;
+        assert!((brightest - 0.8).abs() < 1e-3, "{brightest} at a leak of {leak}");
+        assert_eq!(simulated.report.clipped_pixels, 0);
+    }
+}
+
+#[test]
 fn the_plan_foretells_what_solving_finds() {
     for (frames, ratio) in [(1, 0.5), (16, 0.5), (4, 0.85)] {
         let albedos = vec![0.75, 0.75 * ratio];
@@ -160,6 +217,23 @@ fn the_plan_foretells_what_solving_finds() {
         assert!((plan.raw_deg / errors.raw.mean - 1.0).abs() < 0.1, "planned {}, found {:?}", plan.raw_deg, errors.raw);
         assert_eq!(plan.by_ratio[0].albedos, planned.albedos);
     }
+}
+
+#[test]
+fn a_fixed_exposure_is_planned_as_it_is_photographed() {
+    let plan = |exposure| {
+        let grid = PlanGrid { frames: vec![1], ratios: vec![0.5], ..PlanGrid::default() };
+        let sensor = Sensor { read_noise_electrons: 0.0, ..Sensor::default() };
+        plan_rig(&SimulateOptions { exposure, sensor, ..small("groove") }, &grid, &Unwatched)
+    };
+    let noise = |light: f64| plan(Exposure::White(light)).unwrap().by_frames[0].noise_deg;
+    // Of a quarter of the light, photon noise is twice as large a part; and indirect light that is noisier is averaged less well.
+    let ratio = noise(0.1) / noise(0.4);
+    assert!((1.9..2.6).contains(&ratio), "{ratio}");
+    let other_paint = |exposure| plan(exposure).unwrap().by_ratio[0].noise_deg;
+    assert_eq!(other_paint(Exposure::White(0.1)), other_paint(Exposure::Brightest(0.85)), "exposed anew");
+    let refused = plan(Exposure::White(1e4)).unwrap_err().to_string();
+    assert!(refused.contains("lower the exposure"), "{refused}");
 }
 
 #[test]

@@ -35,23 +35,28 @@ pub fn relative_error(found: &Plane, truth: &Plane, mask: &Mask) -> Option<f64> 
     (mean > 0.0).then(|| difference / mean)
 }
 
-/// Root mean square difference over the mask after the mean difference is taken away: a depth from normals knows no
-/// offset. In the unit of the planes. `None` for other sizes or an empty mask.
-pub fn rmse_without_offset(found: &Plane, truth: &Plane, mask: &Mask) -> Option<f64> {
-    if found.size() != truth.size() || found.size() != mask.size() {
+/// Root mean square difference over the mask after the mean difference over each connected part of `integrated`, the mask of
+/// the depth, is taken away: a depth from normals knows no offset, and none between its parts. In the unit of the planes.
+/// `None` for other sizes or an empty mask.
+pub fn rmse_without_offset(found: &Plane, truth: &Plane, mask: &Mask, integrated: &Mask) -> Option<f64> {
+    if [truth.size(), mask.size(), integrated.size()].iter().any(|&size| size != found.size()) {
         return None;
     }
-    let (sum, squares, count) = found
-        .data()
-        .par_iter()
-        .zip(truth.data())
-        .zip(mask.data())
-        .filter(|(_, inside)| **inside)
-        .map(|((&found, &truth), _)| f64::from(found) - f64::from(truth))
-        .map(|difference| (difference, difference * difference, 1usize))
-        .reduce(|| (0.0, 0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2));
-    let mean = sum / count as f64;
-    (count > 0).then(|| (squares / count as f64 - mean * mean).max(0.0).sqrt())
+    let islands = integrated.islands();
+    let most = islands.iter().copied().max().unwrap_or(0) as usize;
+    // By island, 0 for what lies in none: sum, sum of squares, count.
+    let mut sums = vec![(0.0, 0.0, 0usize); most + 1];
+    for (pixel, &island) in islands.iter().enumerate().filter(|(pixel, _)| mask.data()[*pixel]) {
+        let difference = f64::from(found.data()[pixel]) - f64::from(truth.data()[pixel]);
+        let (sum, squares, count) = &mut sums[island as usize];
+        *sum += difference;
+        *squares += difference * difference;
+        *count += 1;
+    }
+    let with_pixels = || sums.iter().filter(|(.., count)| *count > 0);
+    let squares: f64 = with_pixels().map(|&(sum, squares, count)| (squares - sum * sum / count as f64).max(0.0)).sum();
+    let count: usize = with_pixels().map(|(.., count)| count).sum();
+    (count > 0).then(|| (squares / count as f64).sqrt())
 }
 
 #[cfg(test)]
@@ -73,8 +78,22 @@ mod tests {
     fn an_offset_is_no_error_of_a_depth() {
         let (found, truth) = (plane([5.0, 6.0, 7.0, 90.0]), plane([1.0, 2.0, 3.0, 0.0]));
         let mask = Mask::from_fn(2, 2, |x, y| (x, y) != (1, 1));
-        assert!(rmse_without_offset(&found, &truth, &mask).unwrap() < 1e-9);
-        assert_eq!(rmse_without_offset(&found, &truth, &Mask::filled(2, 2, false)), None);
+        assert!(rmse_without_offset(&found, &truth, &mask, &mask).unwrap() < 1e-9);
+        assert_eq!(rmse_without_offset(&found, &truth, &Mask::filled(2, 2, false), &mask), None);
+    }
+
+    #[test]
+    fn an_offset_between_islands_is_no_error_of_a_depth() {
+        // Two columns with a gap between, the right one 50 too high and tilted by 2 from row to row.
+        let islands = Mask::from_fn(3, 2, |x, _| x != 1);
+        let truth = Plane::filled(3, 2, 7.0);
+        let found = Plane::from_fn(3, 2, |x, y| if x == 2 { 57.0 + 2.0 * y as f32 } else { 7.0 });
+        // Of four pixels two are off by 1.
+        let rmse = rmse_without_offset(&found, &truth, &islands, &islands).unwrap();
+        assert!((rmse - 0.5_f64.sqrt()).abs() < 1e-6, "{rmse}");
+        // One surface has one offset, and what is not compared is bridged all the same.
+        let bridged = Mask::filled(3, 2, true);
+        assert!(rmse_without_offset(&found, &truth, &islands, &bridged).unwrap() > 20.0);
     }
 
     #[test]

@@ -81,6 +81,37 @@ impl Mask {
         self.data[y * self.width + x]
     }
 
+    /// The connected part that each pixel belongs to, numbered from 1; 0 outside. Pixels connect along rows and columns.
+    pub fn islands(&self) -> Vec<u32> {
+        let mut island = vec![0; self.data.len()];
+        let mut count = 0;
+        let mut open = Vec::new();
+        for start in 0..island.len() {
+            if !self.data[start] || island[start] != 0 {
+                continue;
+            }
+            count += 1;
+            island[start] = count;
+            open.push(start);
+            while let Some(pixel) = open.pop() {
+                let (x, y) = (pixel % self.width, pixel / self.width);
+                let beside = [
+                    (x > 0).then(|| pixel - 1),
+                    (x + 1 < self.width).then(|| pixel + 1),
+                    (y > 0).then(|| pixel - self.width),
+                    (y + 1 < self.height).then(|| pixel + self.width),
+                ];
+                for next in beside.into_iter().flatten().filter(|&next| self.data[next]) {
+                    if island[next] == 0 {
+                        island[next] = count;
+                        open.push(next);
+                    }
+                }
+            }
+        }
+        island
+    }
+
     /// How many pixels are inside.
     pub fn count(&self) -> usize {
         self.data.iter().filter(|&&inside| inside).count()

@@ -183,6 +183,13 @@ impl Mesh {
         self.normals.iter_mut().for_each(|n| *n = Vector3::new(n.x, -n.z, n.y));
         self
     }
+
+    /// A surface with z up as it was before [`Mesh::with_z_up`]: (x, y, z) becomes (x, z, -y).
+    pub fn with_y_up(mut self) -> Mesh {
+        self.positions.iter_mut().for_each(|p| *p = Point3::new(p.x, p.z, -p.y));
+        self.normals.iter_mut().for_each(|n| *n = Vector3::new(n.x, n.z, -n.y));
+        self
+    }
 }
 
 fn not_finite(what: &'static str, vectors: impl Iterator<Item = Vector3<f32>>) -> Option<MeshFault> {
@@ -271,5 +278,7 @@ mod tests {
         let turned = Mesh { normals: vec![Vector3::z(); 6], ..split_square() }.with_z_up();
         assert_eq!(turned.normals[0], Vector3::new(0.0, -1.0, 0.0));
         assert_eq!(turned.area_weighted_normals(), turned.normals, "winding and normals agree");
+        let back = turned.with_y_up();
+        assert_eq!(back, Mesh { normals: vec![Vector3::z(); 6], ..split_square() });
     }
 }

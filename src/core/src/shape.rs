@@ -112,7 +112,7 @@ fn round(
 }
 
 fn root_mean_square_change(before: &Depth, after: &Depth) -> f64 {
-    crate::evaluate::rmse_without_offset(&before.depth_mm, &after.depth_mm, &after.mask).unwrap_or(0.0)
+    crate::evaluate::rmse_without_offset(&before.depth_mm, &after.depth_mm, &after.mask, &after.mask).unwrap_or(0.0)
 }
 
 /// A round's share of the whole progress.

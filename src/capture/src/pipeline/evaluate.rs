@@ -52,7 +52,7 @@ pub struct NayarErrors {
     pub iterations: Vec<NayarIteration>,
     /// "converged", "out of iterations" or "diverged".
     pub ending: &'static str,
-    /// Root mean square depth error, offset removed; absent without true depth.
+    /// Root mean square depth error, the offset of each island removed; absent without true depth.
     pub depth_rmse_mm: Option<f64>,
     /// Linear light of a white facet that faces a lamp of intensity 1.
     pub white_light: f64,
@@ -85,7 +85,8 @@ pub struct Evaluation {
     pub nayar: Option<NayarErrors>,
     /// For each bounce, mean absolute error over mean true light, all lights together.
     pub bounce_relative_error: Vec<f64>,
-    /// Root mean square depth error, offset removed; absent without true depth.
+    /// Root mean square depth error, the offset of each connected part of the surface removed, for normals do not tell it;
+    /// absent without true depth.
     pub depth_rmse_mm: Option<f64>,
     /// The same for the photos as they are.
     pub depth_rmse_raw_mm: Option<f64>,
@@ -151,7 +152,7 @@ pub fn evaluate(
     let depth = if depth_path.is_file() { Some(true_plane(&depth_path, size)?) } else { None };
     let rmse = |found: &Depth| {
         let both = mask_where(&with_truth, |pixel| found.mask.data()[pixel]);
-        depth.as_ref().and_then(|truth| rmse_without_offset(&found.depth_mm, truth, &both))
+        depth.as_ref().and_then(|truth| rmse_without_offset(&found.depth_mm, truth, &both, &found.mask))
     };
     let part = Part::of(watch, Stage::Shape, 2, 3);
     let of_truth = firstbounce_core::depth::integrate(&truth, &object.mask, None, &camera, &options.shape.depth, &part);

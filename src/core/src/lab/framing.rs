@@ -10,7 +10,7 @@ use crate::{Camera, Mesh, Projection, radiosity::Patches, scene::seen_at};
 
 /// The surface's larger side in a picture, as a fraction of the picture's.
 const FILLED: f64 = 0.96;
-/// Rays along each side of the picture that look for faces that are turned away.
+/// Rays along each side of the picture that look for faces that are turned away, and how high the surface lies.
 const LOOKS_PER_SIDE: usize = 64;
 
 /// The camera's lens.
@@ -76,13 +76,33 @@ pub fn framed_through(mut mesh: Mesh, lens: Lens, size_px: usize) -> Result<(Mes
     if camera.is_valid() { Ok((mesh, camera)) } else { Err(LabError::NothingToSee) }
 }
 
+/// The height z in mm that depth from normals takes for 0 ([`crate::depth::integrate`]): the mean over what the camera sees,
+/// before a pinhole that of the geometric mean distance. `None` where the camera sees no surface at all.
+pub fn mean_height_seen(patches: &Patches, camera: &Camera) -> Option<f64> {
+    let heights: Vec<f64> = looks(camera)
+        .filter_map(|(x_px, y_px)| Some(seen_at(patches, camera, x_px, y_px)?.1))
+        .filter(|height| height.is_finite())
+        .collect();
+    let mean = |of: &dyn Fn(f64) -> f64| heights.iter().map(|&height| of(height)).sum::<f64>() / heights.len() as f64;
+    (!heights.is_empty()).then(|| match camera.projection {
+        Projection::Orthographic { .. } => mean(&|height| height),
+        Projection::Perspective { working_distance_mm: far, .. } => far - mean(&|height| (far - height).ln()).exp(),
+    })
+}
+
+/// Image positions evenly over the picture.
+fn looks(camera: &Camera) -> impl ParallelIterator<Item = (f64, f64)> {
+    let (width, height) = (camera.size.0 as f64, camera.size.1 as f64);
+    (0..LOOKS_PER_SIDE * LOOKS_PER_SIDE).into_par_iter().map(move |look| {
+        let at = |k: usize| (k as f64 + 0.5) / LOOKS_PER_SIDE as f64;
+        (width * at(look % LOOKS_PER_SIDE), height * at(look / LOOKS_PER_SIDE))
+    })
+}
+
 /// The share of the visible surface that turns its back to the camera, and so reflects nothing: a mesh that is inside
 /// out, or open. `None` where the camera sees no surface at all.
 pub fn seen_from_behind(patches: &Patches, camera: &Camera) -> Option<f64> {
-    let (width, height) = (camera.size.0 as f64, camera.size.1 as f64);
-    let looks = (0..LOOKS_PER_SIDE * LOOKS_PER_SIDE).into_par_iter().filter_map(|look| {
-        let at = |k: usize| (k as f64 + 0.5) / LOOKS_PER_SIDE as f64;
-        let (x_px, y_px) = (width * at(look % LOOKS_PER_SIDE), height * at(look / LOOKS_PER_SIDE));
+    let looks = looks(camera).filter_map(|(x_px, y_px)| {
         let (hit, _) = seen_at(patches, camera, x_px, y_px)?;
         let facing = -patches.as_slice()[hit.patch].normal.dot(&camera.view_ray(x_px, y_px));
         Some((1_usize, usize::from(facing <= 0.0)))

@@ -17,7 +17,7 @@ use crate::{
 
 pub use balls::{BallPicture, LampSpot};
 pub use crosstalk::Crosstalk;
-pub use framing::{Lens, directions_on_ring, framed, framed_through, seen_from_behind};
+pub use framing::{Lens, directions_on_ring, framed, framed_through, mean_height_seen, seen_from_behind};
 pub use paper::{Figure3Point, Paper, PaperErrors, PaperOptions, TableRow, paper};
 pub use plan::{Plan, PlanOptions, PlanPoint, plan};
 pub use sensor::Sensor;
@@ -48,6 +48,11 @@ pub enum LabError {
     /// A mesh that shows nothing from the front.
     #[error("the surface has no width and height seen along z; turn it so that it faces +z")]
     NothingToSee,
+    /// Photos without a pixel to judge by.
+    #[error(
+        "at this exposure no pixel that three lamps light keeps enough colours that do not clip; lower the exposure"
+    )]
+    Overexposed,
     /// The scene could not be lit or seen.
     #[error(transparent)]
     Scene(SceneError),

@@ -14,9 +14,10 @@ use crate::{
     indirect::{IndirectOptions, quieten_direct},
     noise::NoiseModel,
     normals::{DirectLight, Normals, NormalsOptions, Surface, normals},
+    photo::CLIPPED,
     radiosity::{BounceOptions, FormFactors},
     scene::{Lamp, RenderOptions, Rendering, render},
-    separate::{BounceSystem, LightPhotos, SeparateOptions, Separation, separate},
+    separate::{BounceSystem, LightPhotos, SeparateOptions, Separation, check_order, separate},
 };
 
 /// What is to be planned.
@@ -35,10 +36,13 @@ pub struct PlanOptions {
     pub sensor: Sensor,
     /// The linear light that the brightest pixel of all photos is exposed to, 1 being where it clips.
     pub brightest: f64,
+    /// The linear light of a white facet that faces the first lamp in the reference colour: the exposure of the paint as it is,
+    /// instead of `brightest`. Another paint is exposed anew.
+    pub white: Option<f64>,
     /// Numbers of frames to look at.
     pub frames: Vec<usize>,
     /// Ratios of the last albedo to the first to look at; those between are spread evenly on a log scale. One that would
-    /// need an albedo of 1 or more is left out.
+    /// need an albedo of 1 or more, or colours too alike to tell the bounces apart, is left out.
     pub ratios: Vec<f64>,
     /// How the noise of the indirect light will be averaged.
     pub indirect: IndirectOptions,
@@ -53,6 +57,7 @@ impl Default for PlanOptions {
             bounces: 2,
             sensor: Sensor::default(),
             brightest: 0.85,
+            white: None,
             frames: vec![1, 2, 4, 8, 16, 32, 64],
             ratios: vec![0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95],
             indirect: IndirectOptions::default(),
@@ -67,6 +72,9 @@ impl PlanOptions {
         self.sensor.check()?;
         if !(self.brightest > 0.0 && self.brightest <= 1.0) {
             return bad("brightest", self.brightest, "above 0 and at most 1");
+        }
+        if let Some(white) = self.white.filter(|white| !(*white > 0.0 && white.is_finite())) {
+            return bad("white", white, "more than 0");
         }
         if let Some(&frames) = self.frames.iter().find(|frames| !(1..=10_000).contains(*frames)) {
             return bad("frames", frames as f64, "1 to 10000");
@@ -134,6 +142,12 @@ pub fn plan(
 ) -> Result<Plan, LabError> {
     options.check()?;
     let paints = paints(options);
+    // The paint itself is refused before the work.
+    if let [own, ..] = paints.as_slice() {
+        for alpha in &own.alpha {
+            check_order(alpha, &own.beta(), options.bounces)?;
+        }
+    }
     let mut albedos: Vec<f64> = options.albedos.clone();
     for &albedo in paints.iter().flat_map(|paint| &paint.albedos) {
         if !albedos.contains(&albedo) {
@@ -173,6 +187,8 @@ struct Paint {
     ratio: f64,
     /// By lamp, then colour.
     alpha: Vec<Vec<f64>>,
+    /// As `PlanOptions::white`.
+    white: Option<f64>,
 }
 
 impl Paint {
@@ -192,13 +208,17 @@ fn paints(options: &PlanOptions) -> Vec<Paint> {
     let last = own.len().saturating_sub(1).max(1) as f64;
     let of_ratio = |&ratio: &f64| {
         let albedos: Vec<f64> = (0..own.len()).map(|c| own[0] * ratio.powf(c as f64 / last)).collect();
-        Paint { alpha: makes_up(&albedos), albedos, ratio }
+        Paint { alpha: makes_up(&albedos), albedos, ratio, white: None }
     };
     let physical = |paint: &Paint| paint.albedos.iter().all(|&albedo| albedo < 1.0);
+    let separable = |paint: &Paint| {
+        let (colours, beta) = (vec![1.0; paint.albedos.len()], paint.beta());
+        BounceSystem::new(&colours, &beta, &colours, options.bounces).is_ok()
+    };
     let varied = if own.len() > 1 { options.ratios.as_slice() } else { &[] };
-    let others = varied.iter().map(of_ratio).filter(physical);
+    let others = varied.iter().map(of_ratio).filter(physical).filter(separable);
     let ratio = own.last().zip(own.first()).map_or(1.0, |(last, first)| last / first);
-    std::iter::once(Paint { albedos: own.clone(), alpha, ratio }).chain(others).collect()
+    std::iter::once(Paint { albedos: own.clone(), alpha, ratio, white: options.white }).chain(others).collect()
 }
 
 struct Scene<'a> {
@@ -240,7 +260,7 @@ impl Angles {
 }
 
 impl Scene<'_> {
-    /// By lamp, then colour: photos without noise, exposed so that the brightest pixel is as bright as asked for.
+    /// By lamp, then colour: photos without noise, exposed as asked for.
     fn photos(&self, paint: &Paint) -> Vec<Vec<Photo>> {
         let colour = |albedo: &f64| self.albedos.iter().position(|known| known == albedo).unwrap_or_default();
         let colours: Vec<usize> = paint.albedos.iter().map(colour).collect();
@@ -248,11 +268,15 @@ impl Scene<'_> {
         let brightest = lights()
             .flat_map(|(light, alpha)| colours.iter().zip(alpha).map(|(&c, alpha)| alpha * largest(&light.all[c])))
             .fold(f64::MIN_POSITIVE, f64::max);
-        let scale = self.options.brightest / brightest;
+        let scale = match (paint.white, self.options.lamps.first()) {
+            (Some(white), Some(lamp)) => white / lamp.intensity(),
+            _ => self.options.brightest / brightest,
+        };
         let photo = |plane: &Plane, factor: f64| {
-            let mut light = plane.clone();
-            light.data_mut().iter_mut().for_each(|value| *value *= factor as f32);
-            Photo::unmarked(light)
+            let mut linear = plane.clone();
+            linear.data_mut().iter_mut().for_each(|value| *value *= factor as f32);
+            let marks = linear.data().iter().map(|&value| if value >= 1.0 { CLIPPED } else { 0 }).collect();
+            Photo { linear, marks }
         };
         let row = |(light, alpha): (&crate::scene::LitPlanes, &Vec<f64>)| {
             colours.iter().zip(alpha).map(|(&c, alpha)| photo(&light.all[c], scale * alpha)).collect()
@@ -289,7 +313,8 @@ impl Scene<'_> {
             let noise = f64::from(found.noise_deg.data()[pixel]).to_radians();
             (noise, tail)
         });
-        Ok(Angles { gain, pixels: pixels.collect() })
+        let pixels: Vec<_> = pixels.collect();
+        if pixels.is_empty() { Err(LabError::Overexposed) } else { Ok(Angles { gain, pixels }) }
     }
 
     /// The photos of the reference colour taken for direct light.
@@ -310,6 +335,9 @@ impl Scene<'_> {
         }
         let found = self.normals(&lights, watch)?;
         let angles: Vec<f64> = self.compared(&found.map).map(|(_, angle)| angle).collect();
+        if angles.is_empty() {
+            return Err(LabError::Overexposed);
+        }
         Ok((angles.iter().sum::<f64>() / angles.len().max(1) as f64).to_degrees())
     }
 

@@ -7,6 +7,9 @@ use rayon::prelude::*;
 use super::LabError;
 use crate::{Photo, Plane, photo::CLIPPED};
 
+/// The largest finite full well: its noise is far below a step of 16 bits, and its photons can still be counted out.
+const MOST_ELECTRONS: f64 = 1e15;
+
 /// A sensor whose stored values run from 0 to `2^bits - 1`, where it clips.
 ///
 /// Linear light 1 at exposure 1 fills the well and reaches the white level. Photon noise is Poisson, read noise normal
@@ -62,6 +65,9 @@ impl Sensor {
         let bad = |option, value, range| Err(LabError::BadOption { option, value, range });
         if self.full_well_electrons.is_nan() || self.full_well_electrons <= 0.0 {
             return bad("full_well_electrons", self.full_well_electrons, "more than 0");
+        }
+        if self.full_well_electrons.is_finite() && self.full_well_electrons > MOST_ELECTRONS {
+            return bad("full_well_electrons", self.full_well_electrons, "at most 1e15, or inf for no noise");
         }
         if !(self.read_noise_electrons.is_finite() && self.read_noise_electrons >= 0.0) {
             return bad("read_noise_electrons", self.read_noise_electrons, "0 or more");
@@ -129,8 +135,9 @@ impl Sensor {
         if self.full_well_electrons.is_infinite() {
             return exposed;
         }
-        // No photons are no distribution.
-        let electrons = Poisson::new(exposed * self.full_well_electrons).map_or(0.0, |photons| photons.sample(random));
+        // No photons are no distribution, and light that clips many times over need not be exact.
+        let expected = (exposed * self.full_well_electrons).min(Poisson::<f64>::MAX_LAMBDA);
+        let electrons = Poisson::new(expected).map_or(0.0, |photons| photons.sample(random));
         let read: f64 = random.sample(StandardNormal);
         (electrons + self.read_noise_electrons * read) / self.full_well_electrons
     }

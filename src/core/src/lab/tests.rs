@@ -5,14 +5,14 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::{
-    Mesh, Plane, Projection,
+    Mesh, Plane, Projection, Unwatched,
     ball::{Ball, Circle, View},
     calibrate::{HighlightOptions, find_highlights},
     noise::NoiseModel,
     normals::Lamp,
     photo::{CLIPPED, Photo},
-    radiosity::Patches,
-    scene::Shape,
+    radiosity::{FormFactorOptions, Patches, form_factors},
+    scene::{self, Shape},
 };
 
 fn mean_and_variance(plane: &Plane) -> (f64, f64) {
@@ -54,6 +54,16 @@ fn too_much_light_clips_and_is_marked() {
     assert_eq!(sensor.photograph(&light, 0).unwrap().marks, [0, 0, CLIPPED, CLIPPED]);
 }
 
+#[test]
+fn a_full_well_however_large_is_no_black_photo() {
+    for (full_well_electrons, exposure) in [(1e15, 1.0), (1e15, 1e6), (f64::INFINITY, 1.0)] {
+        let sensor = Sensor { full_well_electrons, exposure, ..Sensor::default() };
+        let stored = sensor.expose(&Plane::filled(1, 1, 0.5), 0).unwrap().at(0, 0);
+        let expected = (512.0 + 0.5 * exposure as f32 * (65535.0 - 512.0)).round().min(65535.0);
+        assert_eq!(stored, expected, "{full_well_electrons} electrons, exposure {exposure}");
+    }
+}
+
 proptest! {
     #[test]
     fn without_noise_light_survives_to_half_a_step(
@@ -76,6 +86,27 @@ fn crosstalk_is_its_matrix() {
     assert_eq!([mixed[0].at(0, 0), mixed[1].at(1, 0)], [2.0, 10.1]);
     assert!(matches!(Crosstalk::even(3, 0.1).unwrap().mix(&colours), Err(LabError::CrosstalkShape { .. })));
     assert!(Crosstalk::new(DMatrix::zeros(2, 3)).is_err());
+}
+
+#[test]
+fn a_ratio_that_cannot_be_separated_is_left_out_of_the_plan() {
+    let (mesh, camera) = framed(Shape::Corner { wall_mm: 60.0, roll_deg: 0.0 }.mesh(60).unwrap(), 24).unwrap();
+    let (factors, _) =
+        form_factors(Patches::from_mesh(&mesh).unwrap(), &FormFactorOptions::default(), &Unwatched).unwrap();
+    let lamps = directions_on_ring(3, 20.0).into_iter();
+    let lamps = lamps.map(|direction_to_light| scene::Lamp::Directional { direction_to_light, intensity: 1.0 });
+    let options = PlanOptions { lamps: lamps.collect(), ratios: vec![0.5, 0.99, 1.0], ..PlanOptions::default() };
+    let ratios = |options: &PlanOptions| -> Vec<f64> {
+        let found = plan(&factors, &camera, options, &Unwatched).unwrap();
+        found.by_ratio.iter().map(|point| point.ratio).collect()
+    };
+    assert_eq!(ratios(&options), [0.5]);
+    // Four colours between 1 and 0.95 are closer to one another than two.
+    let four = PlanOptions { albedos: vec![0.75, 0.6, 0.4, 0.2], ratios: vec![0.2, 0.95], ..options.clone() };
+    assert_eq!(ratios(&four), [0.2]);
+    assert_eq!(ratios(&PlanOptions { bounces: 1, ..options.clone() }), [0.5, 0.99, 1.0], "one bounce needs no ratio");
+    let alike = PlanOptions { albedos: vec![0.75, 0.745], ..options };
+    assert!(matches!(plan(&factors, &camera, &alike, &Unwatched), Err(LabError::Separate(_))));
 }
 
 fn ball(radius_px: f64) -> BallPicture {
@@ -149,6 +180,23 @@ fn a_pinhole_is_as_far_as_asked_for_and_filled_to_the_same_share() {
 }
 
 #[test]
+fn the_mean_height_is_that_of_a_tilted_plane() {
+    // A square of 20 mm whose height runs from 3 to 7 mm.
+    let mut mesh = Shape::Groove { wall_mm: 10.0, length_mm: 20.0, angle_deg: 180.0 }.mesh(2).unwrap();
+    mesh.positions.iter_mut().for_each(|position| position.z = 5.0 + 0.2 * position.x);
+    let patches = Patches::from_mesh(&mesh).unwrap();
+    let (_, camera) = framed(mesh.clone(), 100).unwrap();
+    assert!((mean_height_seen(&patches, &camera).unwrap() - 5.0).abs() < 1e-3);
+    let (_, camera) = framed_through(mesh, Lens::Perspective { working_distance_mm: 100.0 }, 100).unwrap();
+    let found = mean_height_seen(&patches, &camera).unwrap();
+    // A pinhole 100 mm high sees the slope u = x / (100 - z) where z = 5 + 0.2 x, so 95 / (1 + 0.2 u) mm away.
+    let (first, last) = (-10.0 / 97.0, 10.0 / 93.0);
+    let log = |k: u32| (95.0 / (1.0 + 0.2 * (first + (last - first) * f64::from(k) / 1000.0))).ln();
+    let expected = 100.0 - ((0..=1000).map(log).sum::<f64>() / 1001.0).exp();
+    assert!((found - expected).abs() < 0.06, "{found} for {expected}");
+}
+
+#[test]
 fn a_surface_is_seen_from_the_side_it_shows() {
     let (mesh, camera) = framed(Shape::Tray { side_mm: 80.0 }.mesh(200).unwrap(), 100).unwrap();
     let behind = |mesh: &Mesh| seen_from_behind(&Patches::from_mesh(mesh).unwrap(), &camera);
@@ -169,6 +217,7 @@ fn what_is_out_of_range_is_refused() {
         Sensor { frames: 0, ..Sensor::default() },
         Sensor { full_well_electrons: f64::NAN, ..Sensor::default() },
         Sensor { exposure: 0.0, ..Sensor::default() },
+        Sensor { full_well_electrons: 1e20, ..Sensor::default() },
     ] {
         assert!(matches!(sensor.photograph(&Plane::filled(1, 1, 0.5), 0), Err(LabError::BadOption { .. })));
     }

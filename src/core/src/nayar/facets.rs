@@ -65,7 +65,7 @@ impl Facets {
         let mask = &shape.depth.mask;
         let step_px = (2.0 * mask.count() as f64 / patches as f64).sqrt().ceil().max(1.0) as usize;
         let points = PixelPoints { camera: *camera, depth_mm: shape.depth.depth_mm.clone() };
-        let islands = if shape.depth.report.islands > 1 { Some(islands(mask)) } else { None };
+        let islands = if shape.depth.report.islands > 1 { Some(mask.islands()) } else { None };
         let (columns, rows) = (mask.width().div_ceil(step_px), mask.height().div_ceil(step_px));
         let node = |index: usize| {
             let (x, y) = (index % (columns + 1) * step_px, index / (columns + 1) * step_px);
@@ -237,36 +237,4 @@ fn extrapolated(shape: &Shape, points: &PixelPoints, pixel: usize, x: usize, y: 
     let normal = shape.normals.map.at_index(pixel).map_or(Vector3::z(), |normal| normal.cast::<f64>());
     let facing = -normal.dot(&direction);
     if facing > GRAZING { beside - direction.into_inner() * (normal.dot(&(known - beside)) / facing) } else { beside }
-}
-
-/// The connected part that each pixel belongs to, numbered from 1; 0 outside the mask.
-fn islands(mask: &Mask) -> Vec<u32> {
-    let (width, height) = mask.size();
-    let mut island = vec![0; mask.data().len()];
-    let mut count = 0;
-    let mut open = Vec::new();
-    for start in 0..island.len() {
-        if !mask.data()[start] || island[start] != 0 {
-            continue;
-        }
-        count += 1;
-        island[start] = count;
-        open.push(start);
-        while let Some(pixel) = open.pop() {
-            let (x, y) = (pixel % width, pixel / width);
-            let beside = [
-                (x > 0).then(|| pixel - 1),
-                (x + 1 < width).then(|| pixel + 1),
-                (y > 0).then(|| pixel - width),
-                (y + 1 < height).then(|| pixel + width),
-            ];
-            for next in beside.into_iter().flatten().filter(|&next| mask.data()[next]) {
-                if island[next] == 0 {
-                    island[next] = count;
-                    open.push(next);
-                }
-            }
-        }
-    }
-    island
 }

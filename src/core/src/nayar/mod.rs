@@ -306,9 +306,12 @@ impl Simulated {
     ) -> Result<Self, NayarError> {
         let facets = Facets::new(&shape, photographed.camera, options.patches)
             .ok_or(NayarError::NoSurface { pixels: shape.depth.report.pixels })?;
-        let (factors, _) = form_factors(facets.patches()?, &options.form_factors, watch)?;
+        let patches = facets.patches()?;
+        // Form factors that are not kept are computed again for the light.
+        let made = if options.form_factors.stores(patches.len()) { 1.0 } else { 0.5 };
+        let (factors, _) = form_factors(patches, &options.form_factors, &Portion { watch, from: 0.0, to: made })?;
         let light: Vec<_> = photographed.lights.iter().map(|light| facets.means(light.direct)).collect();
-        let arriving = factors.irradiance(&light, watch)?;
+        let arriving = factors.irradiance(&light, &Portion { watch, from: made, to: 1.0 })?;
         let (albedo, clamped_pixels) = absolute_albedo(&shape, photographed.white_light);
         let residual = residual(photographed, &factors, &facets.means(&albedo), &light, &arriving)?;
         Ok(Self { shape, facets, factors, arriving, albedo, clamped_pixels, residual })

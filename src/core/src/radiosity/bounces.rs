@@ -1,7 +1,10 @@
 //! Each bounce by itself, and all of them.
 
 use super::{RadiosityError, form_factors::FormFactors};
-use crate::Watch;
+use crate::{Portion, Watch};
+
+/// About how many passes over the form factors the sum of all bounces takes, to share out progress.
+const SOLVER_PASSES: f32 = 10.0;
 
 /// Which bounces, for which paints.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,15 +88,17 @@ pub fn bounces(
         return Err(RadiosityError::WrongLength { found, expected: count });
     }
     let rho = options.reference_albedo();
+    let passes = (options.bounces - 1) as f32 + SOLVER_PASSES;
     let first: Vec<Vec<f64>> = irradiances.iter().map(|column| scaled(column, rho)).collect();
     let mut by_bounce = vec![first];
     for done in 1..options.bounces {
-        let arriving = factors.irradiance(&by_bounce[done - 1], watch)?;
+        let pass = Portion { watch, from: (done - 1) as f32 / passes, to: done as f32 / passes };
+        let arriving = factors.irradiance(&by_bounce[done - 1], &pass)?;
         by_bounce.push(arriving.iter().map(|column| scaled(column, rho)).collect());
     }
     let systems = irradiances.iter().flat_map(|irradiance| options.albedos.iter().map(move |&rho| (rho, irradiance)));
     let mut solver = Solver::new(factors, systems);
-    let report = solver.run(options, watch)?;
+    let report = solver.run(options, &Portion { watch, from: 1.0 - SOLVER_PASSES / passes, to: 1.0 })?;
     let mut solved = solver.systems.into_iter().map(|system| system.radiosity);
     let radiosities = (0..irradiances.len()).map(|lamp| Radiosities {
         bounces: by_bounce.iter_mut().map(|bounce| std::mem::take(&mut bounce[lamp])).collect(),
@@ -170,6 +175,7 @@ impl<'a> Solver<'a> {
     }
 
     fn run(&mut self, options: &BounceOptions, watch: &dyn Watch) -> Result<BounceReport, RadiosityError> {
+        let mut told = 0.0_f32;
         for iterations in 0..=options.max_iterations {
             let residual = self.systems.iter().map(System::relative_residual).fold(0.0, f64::max);
             if residual <= options.relative_residual {
@@ -179,9 +185,12 @@ impl<'a> Solver<'a> {
                 return Err(RadiosityError::NotConverged { residual, iterations });
             }
             // The residual falls about geometrically, so its logarithm tells how far the way is.
-            watch.progress((residual.ln() / options.relative_residual.ln()).clamp(0.0, 1.0) as f32);
+            let way = (residual.ln() / options.relative_residual.ln()).clamp(0.0, 1.0) as f32;
+            let from = way.max(told);
+            told = from + (1.0 - from) / SOLVER_PASSES;
+            watch.progress(from);
             let directions: Vec<Vec<f64>> = self.systems.iter().map(|system| system.direction.clone()).collect();
-            let arriving = self.factors.irradiance(&directions, watch)?;
+            let arriving = self.factors.irradiance(&directions, &Portion { watch, from, to: told })?;
             for (system, arriving) in self.systems.iter_mut().zip(&arriving) {
                 system.step(&self.areas, arriving);
             }

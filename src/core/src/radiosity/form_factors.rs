@@ -1,6 +1,7 @@
 //! How much of the light that leaves one patch reaches another.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
@@ -35,6 +36,12 @@ impl FormFactorOptions {
             return Err(RadiosityError::BadOption { option: "rays_per_pair", value: 0.0, advice });
         }
         Ok(())
+    }
+
+    /// Whether the factors of so many patches are kept.
+    pub fn stores(&self, patches: usize) -> bool {
+        let count = patches as u64;
+        2 * count * count.saturating_sub(1) <= self.memory_limit_bytes
     }
 }
 
@@ -78,8 +85,7 @@ pub fn form_factors(
     watch: &dyn Watch,
 ) -> Result<(FormFactors, FormFactorReport), RadiosityError> {
     options.check()?;
-    let count = patches.len() as u64;
-    let stored = 2 * count * (count - 1) <= options.memory_limit_bytes;
+    let stored = options.stores(patches.len());
     let mut factors = FormFactors { patches, rays_per_pair: options.rays_per_pair, rows: None };
     let mut tally = Tally::default();
     if stored {
@@ -122,7 +128,12 @@ impl FormFactors {
         Ok(columns)
     }
 
-    /// `G` times each column, streaming once through the factors.
+    /// Whether the factors are kept; else every pass computes them anew.
+    pub fn is_stored(&self) -> bool {
+        self.rows.is_some()
+    }
+
+    /// `G` times each column, streaming once through the factors. Tells progress where they are computed anew.
     fn exchange_columns(
         &self,
         columns: &[Vec<f64>],
@@ -132,6 +143,7 @@ impl FormFactors {
         if let Some(column) = columns.iter().find(|column| column.len() != count) {
             return Err(RadiosityError::WrongLength { found: column.len(), expected: count });
         }
+        let finished = AtomicUsize::new(0);
         let partial = |rows: Range<usize>| {
             let mut sums = vec![vec![0.0; count]; columns.len()];
             let mut tally = Tally::default();
@@ -150,6 +162,9 @@ impl FormFactors {
                 for (column, sum) in columns.iter().zip(&mut sums) {
                     let (sum_i, sums_after) = sum[i..].split_first_mut().expect("row i is one of the patches");
                     *sum_i += exchange_row(row, column[i], &column[i + 1..], sums_after);
+                }
+                if self.rows.is_none() {
+                    tell_row(count, i, &finished, watch);
                 }
             }
             Ok((sums, tally))
@@ -244,6 +259,16 @@ fn exchange_row(row: &[f32], own: f64, later: &[f64], sums: &mut [f64]) -> f64 {
         *sum += f64::from(exchange) * own;
     }
     received
+}
+
+/// Tells each hundredth of the pairs of `count` patches, once row `i` of them is finished too.
+fn tell_row(count: usize, i: usize, finished_pairs: &AtomicUsize, watch: &dyn Watch) {
+    let (pairs, all) = (count - i, count * (count + 1) / 2);
+    let before = finished_pairs.fetch_add(pairs, Ordering::Relaxed);
+    let hundredth = |pairs: usize| pairs * 100 / all;
+    if hundredth(before + pairs) > hundredth(before) {
+        watch.progress((before + pairs) as f32 / all as f32);
+    }
 }
 
 /// The rows 0..count of a triangle of pairs in at most `shares` ranges of about equally many pairs.

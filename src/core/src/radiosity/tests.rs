@@ -146,6 +146,43 @@ fn without_memory_the_factors_are_the_same() {
     }
 }
 
+/// Keeps what it is told.
+#[derive(Default)]
+struct Heard(std::sync::Mutex<Vec<f32>>);
+
+impl crate::Watch for Heard {
+    fn progress(&self, fraction: f32) {
+        self.0.lock().unwrap().push(fraction);
+    }
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+impl Heard {
+    /// Often, evenly and forward, but for threads that overtake each other.
+    fn check(self) {
+        let heard = self.0.into_inner().unwrap();
+        assert!((20..2000).contains(&heard.len()), "{heard:?}");
+        assert!(heard.iter().all(|fraction| (0.0..=1.0).contains(fraction)));
+        assert!(heard.windows(2).all(|pair| pair[1] > pair[0] - 0.05 && pair[1] < pair[0] + 0.3), "{heard:?}");
+    }
+}
+
+#[test]
+fn factors_that_are_not_kept_tell_how_far_they_are() {
+    let patches = Patches::from_mesh(&Shape::Tray { side_mm: 80.0 }.mesh(300).unwrap()).unwrap();
+    let irradiance: Vec<f64> = patches.as_slice().iter().map(|patch| patch.normal.z.max(0.0)).collect();
+    let options = FormFactorOptions { memory_limit_bytes: 0, ..Default::default() };
+    let heard = Heard::default();
+    let (factors, _) = form_factors(patches, &options, &heard).unwrap();
+    assert_eq!(heard.0.lock().unwrap().iter().copied().fold(0.0, f32::max), 1.0);
+    heard.check();
+    let heard = Heard::default();
+    bounces(&factors, &[irradiance], &BounceOptions::default(), &heard).unwrap();
+    heard.check();
+}
+
 /// Two facing unit squares at distance 1, and one between them that may hide them from each other.
 fn squares(between: bool) -> Mesh {
     let mut mesh = Shape::Groove { wall_mm: 1.0, length_mm: 1.0, angle_deg: 180.0 }.mesh(2).unwrap();

@@ -12,7 +12,7 @@ use super::{
     lamp::{Lamp, Receiver, Sources, irradiances},
 };
 use crate::{
-    Camera, Mask, NormalMap, Plane, Projection, Watch,
+    Camera, Mask, NormalMap, Plane, Portion, Projection, Watch,
     radiosity::{BounceOptions, BounceReport, FormFactors, Hit, Patches, bounces},
 };
 
@@ -117,7 +117,11 @@ pub fn render(
     }
     let patches = factors.patches();
     let direct = irradiances(patches, lamps, options.points_per_patch_side)?;
-    let (radiosities, all_bounces) = bounces(factors, &direct, &options.bounces, watch)?;
+    // Form factors that are computed anew for every bounce take the longest.
+    let seen = if factors.is_stored() { 0.1 } else { 0.8 };
+    let (radiosities, all_bounces) =
+        bounces(factors, &direct, &options.bounces, &Portion { watch, from: 0.0, to: seen })?;
+    let watch = &Portion { watch, from: seen, to: 1.0 };
     let told_apart = options.bounces.bounces - 1;
     let channels: Vec<&[f64]> = radiosities
         .iter()

@@ -110,6 +110,10 @@ pub enum MeshWarning {
         /// Distance between neighbouring f32 numbers there.
         step_mm: f64,
     },
+    /// The file's own header says that no scale was known.
+    InPixels,
+    /// The file's own header says that z points up.
+    TurnedBack,
 }
 
 impl std::fmt::Display for MeshWarning {
@@ -126,6 +130,10 @@ impl std::fmt::Display for MeshWarning {
                 "coordinates reach {largest_mm:.0} mm, where they are exact to {step_mm:.2} mm only: check the unit, or \
                  move the mesh to the origin"
             ),
+            Self::InPixels => {
+                write!(f, "written in pixels, for the camera's scale was not known: its size says nothing")
+            }
+            Self::TurnedBack => write!(f, "written with z up, turned back so that z points toward the camera"),
         }
     }
 }

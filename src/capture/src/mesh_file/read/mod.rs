@@ -3,6 +3,7 @@
 mod clean;
 mod error;
 mod obj;
+mod own;
 mod ply;
 mod sniff;
 mod stl;
@@ -10,12 +11,16 @@ mod stl;
 use std::path::Path;
 
 use firstbounce_core::Mesh;
+use firstbounce_core::mesh::LengthUnit;
 use serde::{Deserialize, Serialize};
 
 pub use error::{MeshError, MeshProblem, MeshWarning};
 pub use sniff::MeshFormat;
 
-/// What one unit of a file's coordinates is. No mesh format but glTF says so itself: the person must.
+use own::Header;
+
+/// What one unit of a file's coordinates is. No mesh format but glTF says so itself: the person must, except for a file of
+/// this program's own that is in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LengthScale {
     /// 1 mm.
@@ -54,7 +59,8 @@ impl LengthScale {
     }
 }
 
-/// A mesh that was read, in mm, welded: one vertex for each position.
+/// A mesh that was read, in mm, welded: one vertex for each position. In pixels only where its file says so, see
+/// [`read_mesh`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshFile {
     /// The surface; with unit normals for all vertices.
@@ -68,7 +74,8 @@ pub struct MeshFile {
 /// Reads an OBJ, PLY (text or binary) or STL (text or binary) file whose lengths are in `scale`.
 ///
 /// Polygons are split into triangles from their first corner, vertices at one position are joined, colours become
-/// linear, and normals that the file lacks are computed.
+/// linear, and normals that the file lacks are computed. A file that this program wrote tells its axes, and is turned back
+/// from z up; and that it is in pixels, where nobody gives it a unit other than the default.
 ///
 /// # Errors
 /// The file's path with one line that says what is wrong: not readable, none of these formats, cut off, without a
@@ -93,7 +100,16 @@ fn mesh_from_bytes(bytes: &[u8], extension: &str, scale: LengthScale) -> Result<
         MeshFormat::StlText => stl::parse_text(bytes)?,
         MeshFormat::StlBinary => stl::parse_binary(bytes)?,
     };
-    let (mesh, mut warnings) = clean::clean(raw, scale)?;
+    let (mut mesh, mut warnings) = clean::clean(raw, scale)?;
+    let header = Header::of(bytes, format);
+    if header.in_pixels && scale == LengthScale::default() {
+        mesh.unit = LengthUnit::Pixel;
+        warnings.push(MeshWarning::InPixels);
+    }
+    if header.z_up {
+        mesh = mesh.with_y_up();
+        warnings.push(MeshWarning::TurnedBack);
+    }
     if !extension.is_empty() && extension != format.extension() {
         warnings.insert(0, MeshWarning::WrongExtension { extension: extension.to_owned(), format });
     }

@@ -5,18 +5,28 @@ use std::io::Cursor;
 use super::sniff::{STL_HEADER, STL_TRIANGLE, stl_triangles};
 use super::{MeshFormat, MeshProblem, RawMesh};
 
-/// How a text ends.
+/// How a solid of a text begins and ends.
+const BEGIN: &[u8] = b"solid";
 const END: &[u8] = b"endsolid";
 
-/// Reads text, whatever its first line is after "solid".
+/// Reads text of one or more solids as one mesh, whatever they are called.
 pub(super) fn parse_text(bytes: &[u8]) -> Result<RawMesh, MeshProblem> {
-    if !bytes.windows(END.len()).any(|window| window == END) {
+    // The reader wants a space after "solid", which a nameless solid lacks, and ends with the first solid.
+    let mut text = [BEGIN, b" mesh\n"].concat();
+    let (mut begun, mut ended) = (0, 0);
+    for line in bytes.split_inclusive(|&byte| byte == b'\n') {
+        match line.split(u8::is_ascii_whitespace).find(|word| !word.is_empty()) {
+            Some(word) if word.starts_with(BEGIN) => begun += 1,
+            Some(word) if word.starts_with(END) => ended += 1,
+            _ => text.extend(line),
+        }
+    }
+    if ended < begun.max(1) {
         let reason = "it ends without \"endsolid\", so it is cut off; export or copy it again".to_owned();
         return Err(MeshProblem::Malformed { format: MeshFormat::StlText, reason });
     }
-    let after_first_line = bytes.iter().position(|&byte| byte == b'\n').map_or(&[][..], |end| &bytes[end..]);
-    // The reader takes a file for text only if a space follows "solid", which a nameless solid lacks.
-    read([b"solid mesh".as_slice(), after_first_line].concat(), MeshFormat::StlText)
+    text.extend([b"\n", END, b"\n"].concat());
+    read(text, MeshFormat::StlText)
 }
 
 /// Reads numbers, even where the header begins like a text.

@@ -7,6 +7,7 @@ use proptest::test_runner::RngSeed;
 use super::*;
 use crate::mesh_file::stl::stl_into;
 use crate::mesh_file::test_mesh::tetrahedron;
+use crate::mesh_file::{Axes, MeshContents, OutputFormat, write_mesh};
 
 const MM: LengthScale = LengthScale::Millimetre;
 
@@ -23,7 +24,7 @@ const STL: &str = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1
 
 fn stl_binary() -> Vec<u8> {
     let mut bytes = Vec::new();
-    stl_into(&mut bytes, &tetrahedron(), crate::mesh_file::Axes::YUp).unwrap();
+    stl_into(&mut bytes, &tetrahedron(), Axes::YUp).unwrap();
     bytes
 }
 
@@ -101,6 +102,20 @@ fn stl_corners_are_joined_and_a_header_that_says_solid_fools_nobody() {
 }
 
 #[test]
+fn a_text_stl_of_several_solids_is_all_of_them() {
+    let other = STL.replace("solid", "solid lid of the box").replace("vertex 1 0 0", "vertex -1 0 0");
+    let file = read(format!("{STL}\n{other}").as_bytes(), "stl");
+    assert_eq!((file.mesh.positions.len(), file.mesh.triangles.len()), (4, 2), "two triangles that share an edge");
+    // Cut off within the second, or between its end and that of the file.
+    for end in [other.len() / 2, other.find("endsolid").unwrap()] {
+        let cut = format!("{STL}{}", &other[..end]);
+        assert!(problem(cut, "stl").to_string().contains("cut off"));
+    }
+    // Lines may end as on other systems.
+    assert_eq!(read(format!("{STL}{other}").replace('\n', "\r\n").as_bytes(), "stl").mesh, file.mesh);
+}
+
+#[test]
 fn lengths_become_mm() {
     for (scale, mm) in
         [(MM, 1.0), (LengthScale::Centimetre, 10.0), (LengthScale::Metre, 1e3), (LengthScale::Inch, 25.4)]
@@ -108,6 +123,31 @@ fn lengths_become_mm() {
         let mesh = mesh_from_bytes(STL.as_bytes(), "stl", scale).unwrap().mesh;
         assert_eq!(mesh.bounds().unwrap().1, nalgebra::Point3::new(mm, mm, 0.0));
     }
+}
+
+#[test]
+fn a_mesh_of_our_own_comes_back_in_its_unit_and_its_axes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mesh");
+    for (format, unit, axes) in [OutputFormat::Obj, OutputFormat::Ply, OutputFormat::Stl]
+        .into_iter()
+        .flat_map(|format| [LengthUnit::Millimetre, LengthUnit::Pixel].map(|unit| (format, unit)))
+        .flat_map(|(format, unit)| [Axes::YUp, Axes::ZUp].map(|axes| (format, unit, axes)))
+    {
+        let mesh = firstbounce_core::Mesh { unit, ..tetrahedron() };
+        write_mesh(&path, format, &MeshContents { axes, ..MeshContents::of(&mesh) }).unwrap();
+        let file = read_mesh(&path, MM).unwrap();
+        assert_eq!(file.mesh.unit, unit, "{format} {axes:?}");
+        assert_eq!(file.mesh.bounds(), mesh.bounds(), "{format} {axes:?}");
+        assert!(file.mesh.area_weighted_normals().iter().zip(&file.mesh.normals).all(|(a, b)| a.dot(b) > 0.5));
+        assert_eq!(file.warnings.contains(&MeshWarning::InPixels), unit == LengthUnit::Pixel);
+        assert_eq!(file.warnings.contains(&MeshWarning::TurnedBack), axes == Axes::ZUp);
+        // A person who gives it a unit is believed.
+        assert_eq!(read_mesh(&path, LengthScale::Metre).unwrap().mesh.unit, LengthUnit::Millimetre);
+    }
+    // Words of other programs turn nothing.
+    let foreign = format!("# unit: pixels\n# axes: x right, z up, y away from the camera\n{OBJ}");
+    assert_eq!(read(foreign.as_bytes(), "obj"), read(OBJ.as_bytes(), "obj"));
 }
 
 #[test]

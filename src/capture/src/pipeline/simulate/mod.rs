@@ -11,7 +11,7 @@ mod photos;
 mod plan;
 mod write;
 
-use firstbounce_core::lab::{framed_through, seen_from_behind};
+use firstbounce_core::lab::{LabError, framed_through, mean_height_seen, seen_from_behind};
 use firstbounce_core::radiosity::{
     BounceOptions, FormFactorOptions, FormFactorReport, FormFactors, Patches, form_factors,
 };
@@ -30,6 +30,10 @@ pub use write::{RigWords, check_folder, write_simulated};
 const INSIDE_OUT: f64 = 0.5;
 /// Less than this is the rounding of an edge.
 const SPECK: f64 = 0.002;
+/// A surface lies at z = 0 when its height differs from it by less than this fraction of its diagonal.
+const LEVEL: f64 = 1e-4;
+/// How often a surface is put lower or higher.
+const MOST_LOOKS: usize = 5;
 
 /// A surface whose light can be simulated for any paint and lamps, and the camera before it.
 #[derive(Clone, Debug)]
@@ -115,12 +119,11 @@ pub fn simulate(options: &SimulateOptions, watch: &dyn Watch) -> Result<Simulate
 /// # Errors
 /// As [`simulate`].
 pub fn prepare(options: &SimulateOptions, watch: &dyn Watch) -> Result<PreparedScene, SimulateError> {
-    let (mesh, camera) = framed_through(mesh_of(&options.scene, options.patches)?, options.lens, options.size_px)?;
-    let patches = Patches::from_mesh(&mesh)?;
+    let (patches, camera) = placed(mesh_of(&options.scene, options.patches)?, options)?;
     let mut warnings = Vec::new();
     let name = options.scene.name();
     match seen_from_behind(&patches, &camera) {
-        None => return Err(firstbounce_core::lab::LabError::NothingToSee.into()),
+        None => return Err(LabError::NothingToSee.into()),
         Some(share) if share > INSIDE_OUT => {
             return Err(SimulateError::InsideOut { name: name.to_owned(), percent: 100.0 * share });
         }
@@ -174,7 +177,28 @@ pub fn simulate_prepared(
     Ok(simulated)
 }
 
-/// The scene's surface in about as many triangles as asked for, in the object frame.
+/// The surface before its camera, at the height at which depth from normals will be put: near lamps and a pinhole stand where
+/// they do over that z = 0.
+fn placed(mut mesh: Mesh, options: &SimulateOptions) -> Result<(Patches, Camera), SimulateError> {
+    // A first guess that no pinhole stands in.
+    let (low, high) = mesh.bounds().ok_or(LabError::NothingToSee)?;
+    let mut height_mm = f64::from(low.z + high.z) / 2.0;
+    let mut looks = 0;
+    loop {
+        mesh.positions.iter_mut().for_each(|position| position.z -= height_mm as f32);
+        let (framed, camera) = framed_through(mesh, options.lens, options.size_px)?;
+        let patches = Patches::from_mesh(&framed)?;
+        height_mm = mean_height_seen(&patches, &camera).ok_or(LabError::NothingToSee)?;
+        looks += 1;
+        // A pinhole sees another part of a surface that has moved, if only a little.
+        if height_mm.abs() < LEVEL * patches.diagonal_mm() || looks == MOST_LOOKS {
+            return Ok((patches, camera));
+        }
+        mesh = framed;
+    }
+}
+
+/// The scene's surface in about as many triangles as asked for.
 fn mesh_of(scene: &Scene, patches: usize) -> Result<Mesh, SimulateError> {
     let (name, mesh) = match scene {
         Scene::Shape(shape) => return Ok(shape.mesh(patches)?),
@@ -185,13 +209,7 @@ fn mesh_of(scene: &Scene, patches: usize) -> Result<Mesh, SimulateError> {
         return Err(SimulateError::TooManyTriangles { name: name.clone(), triangles, most });
     }
     // Readers smooth normals over creases; without any, patches find the creases themselves.
-    let mut mesh = refined(Mesh { normals: Vec::new(), ..mesh.clone() }, patches);
-    // z = 0 lies in the middle of the surface, where near lamps and a perspective camera expect it.
-    if let Some((low, high)) = mesh.bounds() {
-        let middle_mm = (low.z + high.z) / 2.0;
-        mesh.positions.iter_mut().for_each(|position| position.z -= middle_mm);
-    }
-    Ok(mesh)
+    Ok(refined(Mesh { normals: Vec::new(), ..mesh.clone() }, patches))
 }
 
 fn every_lamp_lights(options: &SimulateOptions, rendering: &Rendering) -> Result<(), SimulateError> {

@@ -38,6 +38,9 @@ impl Scene {
     /// The names of the built-in shapes.
     pub const BUILT_IN: [&str; 5] = ["corner", "groove", "bowl", "cap", "tray"];
 
+    /// Those of them that [`Measures::angle_deg`] changes.
+    pub const WITH_ANGLE: [&str; 2] = ["groove", "cap"];
+
     /// The built-in shape of this name; `None` for a name that is none of [`Scene::BUILT_IN`].
     pub fn built_in(name: &str, measures: Measures) -> Option<Self> {
         let size = |default: f64| measures.size_mm.unwrap_or(default);

@@ -29,7 +29,7 @@ pub(super) fn photograph(
     render: RenderReport,
     watch: &dyn Watch,
 ) -> Result<Simulated, SimulateError> {
-    let studio = Studio::new(prepared, options, &rendering);
+    let studio = Studio::new(prepared, options, &rendering)?;
     let lights = options.lamps.len();
     let colours = options.albedos.len();
     let mut photos = Vec::new();
@@ -104,27 +104,48 @@ struct Studio<'a> {
 }
 
 impl<'a> Studio<'a> {
-    fn new(prepared: &PreparedScene, options: &'a SimulateOptions, rendering: &Rendering) -> Self {
-        let alpha = options.alpha();
+    fn new(
+        prepared: &PreparedScene,
+        options: &'a SimulateOptions,
+        rendering: &Rendering,
+    ) -> Result<Self, SimulateError> {
+        let levels = Levels::of(&options.sensor);
+        let studio =
+            Self { options, projection: prepared.camera.projection, alpha: options.alpha(), scale: 1.0, levels };
         let scale = match options.exposure {
             Exposure::White(light) => light / options.lamps[0].intensity,
-            Exposure::Brightest(light) => {
-                let object = rendering.lights.iter().zip(&alpha).flat_map(|(light, alpha)| {
-                    light.all.iter().zip(alpha).map(|(plane, alpha)| alpha * largest(plane))
-                });
-                let balls = options.balls.iter().flat_map(|balls| {
-                    let radius_mm = radius_mm(&prepared.camera.projection, *balls);
-                    options.lamps.iter().zip(&alpha).flat_map(move |(lamp, alpha)| {
-                        let facing = lamp.intensity * nearness(lamp, radius_mm);
-                        let colours = alpha.iter().zip(&options.albedos);
-                        colours.map(move |(alpha, albedo)| facing * alpha * albedo.max(balls.grey_albedo))
-                    })
-                });
-                light / object.chain(balls).fold(f64::MIN_POSITIVE, f64::max)
-            }
+            Exposure::Brightest(light) => light / studio.brightest(rendering)?,
         };
-        let levels = Levels::of(&options.sensor);
-        Self { options, projection: prepared.camera.projection, alpha, scale, levels }
+        Ok(Self { scale, ..studio })
+    }
+
+    /// The brightest pixel of all photos but the mirror ball's, as the channels see it.
+    fn brightest(&self, rendering: &Rendering) -> Result<f64, SimulateError> {
+        let options = self.options;
+        let mut brightest = f64::MIN_POSITIVE;
+        for ((lamp, alpha), light) in options.lamps.iter().zip(&self.alpha).zip(&rendering.lights) {
+            let object = light.all.iter().zip(alpha).map(|(plane, alpha)| scaled(plane, *alpha as f32)).collect();
+            let mut subjects = vec![object];
+            if let Some(balls) = options.balls {
+                let facing = lamp.intensity * nearness(lamp, radius_mm(&self.projection, balls));
+                let spot = |alpha: f64, albedo: f64| Plane::filled(1, 1, (facing * alpha * albedo) as f32);
+                subjects.push(alpha.iter().map(|alpha| spot(*alpha, balls.grey_albedo)).collect());
+                subjects
+                    .push(alpha.iter().zip(&options.albedos).map(|(alpha, albedo)| spot(*alpha, *albedo)).collect());
+            }
+            for colours in subjects {
+                brightest = self.mixed(colours)?.iter().map(largest).fold(brightest, f64::max);
+            }
+        }
+        Ok(brightest)
+    }
+
+    /// What the channels see of the light of each colour.
+    fn mixed(&self, colours: Vec<Plane>) -> Result<Vec<Plane>, SimulateError> {
+        match &self.options.crosstalk {
+            Some(crosstalk) => Ok(crosstalk.mix(&colours)?),
+            None => Ok(colours),
+        }
     }
 
     fn subjects(&self) -> Vec<Subject> {
@@ -152,10 +173,7 @@ impl<'a> Studio<'a> {
                 factors.enumerate().map(|(c, factor)| scaled(&facing, (factor * albedo(c)) as f32)).collect()
             }
         };
-        match &self.options.crosstalk {
-            Some(crosstalk) => Ok(crosstalk.mix(&colours)?),
-            None => Ok(colours),
-        }
+        self.mixed(colours)
     }
 
     fn mirror_ball(&self, balls: BallOptions, l: usize) -> Plane {

@@ -38,17 +38,19 @@ pub fn plan_rig(options: &SimulateOptions, grid: &PlanGrid, watch: &dyn Watch) -
     small.check()?;
     let part = |from, to| firstbounce_core::Portion { watch, from, to };
     let prepared = prepare(&small, &part(0.0, 0.3))?;
+    // A fixed exposure is that of one paint: another would be exposed anew.
+    let (brightest, white) = match options.exposure {
+        Exposure::Brightest(light) => (light, None),
+        Exposure::White(light) => (PlanOptions::default().brightest, Some(light)),
+    };
     let plan_options = PlanOptions {
         albedos: options.albedos.clone(),
         lamps: options.lamps.iter().map(LampOptions::lamp).collect(),
         alpha: options.alpha(),
         bounces: grid.bounces.unwrap_or(options.albedos.len().min(2)),
         sensor: options.sensor,
-        // A fixed exposure is that of one paint: another would be exposed anew.
-        brightest: match options.exposure {
-            Exposure::Brightest(light) => light,
-            Exposure::White(_) => PlanOptions::default().brightest,
-        },
+        brightest,
+        white,
         frames: grid.frames.clone(),
         ratios: grid.ratios.clone(),
         ..PlanOptions::default()
