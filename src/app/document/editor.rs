@@ -67,7 +67,7 @@ fn whole(path: &Path) -> PathBuf {
 impl Editor {
     /// Opens the set at `path`, its folder or its capture.toml, as far as it can be read.
     pub fn open(path: &Path) -> Result<Self, SetError> {
-        let reading = Reading::open(&whole(path))?;
+        let reading = Reading::open(whole(path))?;
         let file = FileOnDisk::of(reading.set.file_path());
         let settings = disk::read_settings(&reading.set.folder);
         Ok(Self::of(reading, settings, file))
