@@ -367,3 +367,17 @@ fn what_is_no_comparison_is_wrong_usage() {
         assert_eq!(compare(&b, &b, &options).status.code(), Some(2));
     }
 }
+
+#[test]
+fn a_forgotten_unit_is_told_and_what_is_compared_is_never_replaced() {
+    let folder = Folder::new();
+    let mesh = relief();
+    let mut in_metres = mesh.clone();
+    in_metres.positions.iter_mut().for_each(|p| *p /= 1000.0);
+    let (a, b) = (folder.ply("metres.ply", &in_metres), folder.ply("b.ply", &mesh));
+    let warnings = numbers(&a, &b, &[])["warnings"].to_string();
+    assert!(warnings.contains("A is 1000 times smaller than B"), "{warnings}");
+    let before = std::fs::read(&b).unwrap();
+    refused(&compare(&a, &b, &["--heat-map", b.to_str().unwrap()]), &["would replace a mesh that is compared"]);
+    assert_eq!(std::fs::read(&b).unwrap(), before);
+}

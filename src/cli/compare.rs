@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::bail;
 use clap::Args;
 use firstbounce_capture::OutputFolder;
 use firstbounce_capture::mesh_file::{Quality, write_ply};
@@ -91,6 +92,9 @@ struct IterationWords {
 
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
+    if let Some(path) = &args.heat_map {
+        refuse_to_replace(path, [&args.a, &args.b])?;
+    }
     let terminal = Terminal::attend();
     let (a, mut warnings) = read_comparable(&args.a, args.unit.into())?;
     let (b, warnings_b) = read_comparable(&args.b, args.unit_b.unwrap_or(args.unit).into())?;
@@ -110,6 +114,15 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
         print(&text(args, &words))?
     }
     written
+}
+
+/// A heat map in the place of what was compared would be the end of it.
+fn refuse_to_replace(heat_map: &Path, inputs: [&PathBuf; 2]) -> anyhow::Result<()> {
+    let Ok(place) = heat_map.canonicalize() else { return Ok(()) };
+    if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input == place)) {
+        bail!("{}: the heat map would replace a mesh that is compared; give it another name", heat_map.display());
+    }
+    Ok(())
 }
 
 fn measure(args: &CompareArgs, a: &Mesh, b: &Mesh, terminal: &Terminal) -> anyhow::Result<Compared> {

@@ -40,6 +40,14 @@ fn a_simulated_set_goes_through_every_command() {
     let mean = |of: &str| evaluation["normal_error_deg"][of]["mean"].as_f64().unwrap();
     assert!(mean("separated") < 0.5 * mean("raw"), "{evaluation}");
 
+    // Without a scale depth is in pixels, and no error in mm can be told.
+    let toml = fs::read_to_string(place.join("set/capture.toml")).unwrap();
+    let without: Vec<_> = toml.lines().filter(|line| !line.starts_with("mm_per_pixel")).collect();
+    fs::write(place.join("set/capture.toml"), without.join("\n") + "\n").unwrap();
+    let in_pixels = firstbounce(place, ["evaluate", "set", "--json"]).json();
+    assert!(in_pixels["depth_rmse_mm"].is_null() && evaluation["depth_rmse_mm"].is_number(), "{in_pixels}");
+    fs::write(place.join("set/capture.toml"), toml).unwrap();
+
     // The set tells how bright its grey ball is, and with that how dark the paint.
     let by_nayar = ["evaluate", "set", "--method", "nayar", "--patches", "300", "--json"];
     let iterations = &firstbounce(place, by_nayar).json()["nayar"]["iterations"];

@@ -61,6 +61,9 @@ pub struct Compared {
     pub warnings: Vec<String>,
 }
 
+/// A scan of a part is smaller than the whole, and no more than this.
+const STRANGE_SIZE: f64 = 8.0;
+
 /// Lays `a` onto `b` and measures every vertex. `aligning` and `measuring` watch the two parts.
 ///
 /// # Errors
@@ -82,8 +85,17 @@ pub fn compare_meshes(
         _ => Isometry3::identity(),
     };
     let comparison = distances(a, b, &pose, options, measuring)?;
-    let warnings = alignment.as_ref().map_or_else(Vec::new, alignment_warnings);
+    let mut warnings = alignment.as_ref().map_or_else(Vec::new, alignment_warnings);
+    warnings.extend(size_warning(a, b));
     Ok(Compared { alignment, comparison, warnings })
+}
+
+/// A mesh that is many times as large as the other fits somewhere all the same: a unit was forgotten.
+fn size_warning(a: &Mesh, b: &Mesh) -> Option<String> {
+    let diagonal = |mesh: &Mesh| mesh.bounds().map(|(low, high)| f64::from((high - low).norm())).filter(|mm| *mm > 0.0);
+    let ratio = diagonal(a)? / diagonal(b)?;
+    let (times, word) = if ratio > 1.0 { (ratio, "larger") } else { (1.0 / ratio, "smaller") };
+    (times > STRANGE_SIZE).then(|| format!("A is {times:.0} times {word} than B: check the unit of each"))
 }
 
 /// What a person should know before trusting an alignment.

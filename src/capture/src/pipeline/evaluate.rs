@@ -2,6 +2,7 @@
 
 use firstbounce_core::depth::Depth;
 use firstbounce_core::evaluate::{lit_by_three, relative_error, rmse_without_offset};
+use firstbounce_core::mesh::LengthUnit;
 use firstbounce_core::nayar::{Nayar, NayarStep};
 use firstbounce_core::separate::Separation;
 use firstbounce_core::shape::Shape;
@@ -149,7 +150,8 @@ pub fn evaluate(
     };
 
     let depth_path = set.truth_depth();
-    let depth = if depth_path.is_file() { Some(true_plane(&depth_path, size)?) } else { None };
+    let in_mm = camera.unit() == LengthUnit::Millimetre;
+    let depth = if in_mm && depth_path.is_file() { Some(true_plane(&depth_path, size)?) } else { None };
     let rmse = |found: &Depth| {
         let both = mask_where(&with_truth, |pixel| found.mask.data()[pixel]);
         depth.as_ref().and_then(|truth| rmse_without_offset(&found.depth_mm, truth, &both, &found.mask))
