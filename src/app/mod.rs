@@ -11,6 +11,7 @@ pub mod document;
 pub mod jobs;
 mod launch;
 pub mod log;
+mod name_field;
 mod number_field;
 pub mod panels;
 pub mod path_field;

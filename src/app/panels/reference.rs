@@ -12,7 +12,6 @@ use crate::app::dialogs::Choose;
 use crate::app::document::{Document, ReferenceSource};
 use crate::app::path_field::PathField;
 use crate::app::reference::{How, Outcome};
-use crate::app::results::{StageState, Step};
 use crate::app::session::Session;
 use crate::app::window::advice;
 
@@ -136,8 +135,7 @@ fn align(ui: &mut Ui, session: &mut Session, document: &Document) {
 }
 
 fn numbers(ui: &mut Ui, session: &mut Session, document: &Document) {
-    let is_ready = session.results.state(Step::Mesh, document) == StageState::Ready;
-    let meshes = session.results.meshes().filter(|_| is_ready);
+    let meshes = session.results.current_meshes(document);
     let is_current = session.reference.is_current(document, meshes.as_ref());
     let Some(compared) = session.reference.compared() else {
         if session.reference.comparing().is_none() {

@@ -4,11 +4,11 @@ mod compare;
 mod pairs;
 mod session;
 
-use firstbounce_capture::mesh_file::read::LengthScale;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::{read_comparable, truth_mesh};
 use firstbounce_capture::set::{Projection, Truth};
 use firstbounce_core::Mesh;

@@ -6,7 +6,6 @@ use nalgebra::{Isometry3, Point3};
 
 use super::{How, News, Pairs};
 use crate::app::document::{ReferenceSettings, ReferenceSource};
-use crate::app::results::{StageState, Step};
 use crate::app::session::Session;
 use crate::app::surface::Shade;
 use crate::app::views::Shown;
@@ -41,8 +40,7 @@ impl Session {
     pub fn compare_with_reference(&mut self, how: How) {
         let poses = self.document().settings.reference.as_ref().and_then(|reference| reference.poses);
         // The last good surface may be of another beta.
-        let is_ready = self.results.state(Step::Mesh, &self.document()) == StageState::Ready;
-        let meshes = self.results.meshes().filter(|_| is_ready);
+        let meshes = self.results.current_meshes(&self.document());
         if let Err(line) = self.reference.compare(how, poses, meshes, &mut self.jobs) {
             self.error(line);
         }

@@ -135,6 +135,11 @@ impl Results {
         self.mesh.last.clone()
     }
 
+    /// The same, where they are those of the document.
+    pub fn current_meshes(&self, document: &Document) -> Option<Arc<Meshes>> {
+        self.meshes().filter(|_| self.state(Step::Mesh, document) == StageState::Ready)
+    }
+
     /// What Nayar's method found, where it was asked for.
     pub fn by_nayar(&self) -> Option<Arc<ByNayar>> {
         self.nayar.last.clone()

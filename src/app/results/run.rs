@@ -233,7 +233,7 @@ impl Used {
             intensity: kept(&calibrated.intensity, &used),
             ..calibrated.clone()
         };
-        Self { set: CaptureSet { lights: kept(&set.lights, &used), ..set.clone() }, calibrated, used }
+        Self { set: document.used_set(), calibrated, used }
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use eframe::egui::emath::Numeric;
 use eframe::egui::{ComboBox, Grid, RichText, Ui};
+use firstbounce_capture::mesh_file::read::LengthScale;
 
 use super::mesh::MeshChoice;
 use super::values::{LampKind, SceneKind, Values};
@@ -11,7 +12,6 @@ use crate::app::dialogs::Choose;
 use crate::app::number_field::up_to;
 use crate::app::panels::part;
 use crate::app::session::Session;
-use firstbounce_capture::mesh_file::read::LengthScale;
 
 const MOST_COLOURS: usize = 8;
 const MOST_LAMPS: usize = 32;

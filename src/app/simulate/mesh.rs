@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::simulate::Scene;
 
 use super::values::{SceneKind, Values};
 use crate::app::jobs::Task;
 use crate::app::path_field::PathField;
 use crate::app::session::Session;
-use firstbounce_capture::mesh_file::read::LengthScale;
 
 /// A file, what one unit of it is, and whether its faces are turned round.
 type Wanted = (PathBuf, LengthScale, bool);

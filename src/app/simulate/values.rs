@@ -1,10 +1,10 @@
 //! What a person chooses, and the options it stands for.
 
+use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::simulate::{BallOptions, Exposure, LampOptions, Measures, Scene, SimulateOptions};
 use firstbounce_core::lab::{Lens, Sensor};
 
 use super::mesh::MeshChoice;
-use firstbounce_capture::mesh_file::read::LengthScale;
 
 /// Where a lens is put first: a few times as far as the built-in shapes are wide.
 const USUAL_DISTANCE_MM: f64 = 400.0;

@@ -45,14 +45,22 @@ pub fn rmse_without_offset(found: &Plane, truth: &Plane, mask: &Mask, integrated
     let islands = integrated.islands();
     let most = islands.iter().copied().max().unwrap_or(0) as usize;
     // By island, 0 for what lies in none: sum, sum of squares, count.
-    let mut sums = vec![(0.0, 0.0, 0usize); most + 1];
-    for (pixel, &island) in islands.iter().enumerate().filter(|(pixel, _)| mask.data()[*pixel]) {
-        let difference = f64::from(found.data()[pixel]) - f64::from(truth.data()[pixel]);
-        let (sum, squares, count) = &mut sums[island as usize];
-        *sum += difference;
-        *squares += difference * difference;
-        *count += 1;
-    }
+    let none = || vec![(0.0, 0.0, 0usize); most + 1];
+    let add = |sum: &mut (f64, f64, usize), more: (f64, f64, usize)| {
+        *sum = (sum.0 + more.0, sum.1 + more.1, sum.2 + more.2);
+    };
+    let sums = (islands.par_iter(), mask.data(), found.data(), truth.data())
+        .into_par_iter()
+        .filter(|(_, inside, ..)| **inside)
+        .fold(none, |mut sums, (&island, _, &found, &truth)| {
+            let difference = f64::from(found) - f64::from(truth);
+            add(&mut sums[island as usize], (difference, difference * difference, 1));
+            sums
+        })
+        .reduce(none, |mut sums, others| {
+            sums.iter_mut().zip(others).for_each(|(sum, more)| add(sum, more));
+            sums
+        });
     let with_pixels = || sums.iter().filter(|(.., count)| *count > 0);
     let squares: f64 = with_pixels().map(|&(sum, squares, count)| (squares - sum * sum / count as f64).max(0.0)).sum();
     let count: usize = with_pixels().map(|(.., count)| count).sum();

@@ -9,6 +9,7 @@ use firstbounce_capture::set::{Became, GuessOptions, Pattern, Subject, Word, add
 
 use super::in_order::InOrder;
 use super::table::subject_title;
+use crate::app::name_field::name_field;
 use crate::app::panels::part::part;
 use crate::app::session::Session;
 
@@ -273,19 +274,12 @@ pub fn name_box<'a>(ui: &mut Ui, label: &str, name: &mut String, known: impl Ite
                 }
             }
             let heading = ui.label("New name");
-            // Taken over when it is typed to its end: on the way it may be that of another.
-            let kept = ui.scope_id().with(("new name", label));
-            let mut typed = ui.data(|data| data.get_temp::<String>(kept)).unwrap_or_else(|| name.clone());
-            let field = ui.add(TextEdit::singleline(&mut typed).desired_width(100.0)).labelled_by(heading.id);
-            if field.lost_focus() {
-                ui.data_mut(|data| data.remove::<String>(kept));
-                chosen = chosen.or_else(|| Some(typed.trim().to_owned()));
-                if ui.input(|input| input.key_pressed(Key::Enter)) {
-                    ui.close();
-                }
-            } else if field.changed() {
-                ui.data_mut(|data| data.insert_temp(kept, typed));
+            let field = name_field(ui, label, name, 100.0);
+            let response = field.response.labelled_by(heading.id);
+            if response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
+                ui.close();
             }
+            let chosen = chosen.or(field.done);
             if let Some(chosen) = chosen {
                 *name = chosen;
             }

@@ -1,8 +1,9 @@
 //! The set's name, its lights and its colours.
 
-use eframe::egui::{Button, ComboBox, Key, Role, TextEdit, Ui, WidgetInfo};
+use eframe::egui::{Button, ComboBox, Role, TextEdit, Ui, WidgetInfo};
 use firstbounce_capture::set::{CaptureSet, Channel, Word};
 
+use crate::app::name_field::{NameField, name_field};
 use crate::app::session::Session;
 
 /// Names to change, channels to choose, and what no shot uses to take away.
@@ -55,28 +56,17 @@ enum Change {
     Remove,
 }
 
-/// A name that is taken over when it is typed to its end: on the way it may be that of another.
 fn named(ui: &mut Ui, what: &str, index: usize, name: &str, used: bool) -> Option<Change> {
-    let kept = ui.scope_id().with(("typed name", what, index));
-    let mut typed = ui.data(|data| data.get_temp::<String>(kept)).unwrap_or_else(|| name.to_owned());
-    let field = ui.add(TextEdit::singleline(&mut typed).desired_width(90.0));
-    field.widget_info(|| {
+    let NameField { response, text, done } = name_field(ui, (what, index), name, 90.0);
+    response.widget_info(|| {
         let mut info = WidgetInfo::labeled(Role::TextInput, true, format!("{what} {}", index + 1));
-        info.current_text_value = Some(typed.clone());
+        info.current_text_value = Some(text.clone());
         info
     });
-    if field.lost_focus() {
-        ui.data_mut(|data| data.remove::<String>(kept));
-        let given_up = ui.input(|input| input.key_pressed(Key::Escape));
-        let new = typed.trim();
-        return (!given_up && !new.is_empty() && new != name).then(|| Change::Name(new.to_owned()));
-    }
-    if field.changed() {
-        ui.data_mut(|data| data.insert_temp(kept, typed));
-    }
     let remove = ui.add_enabled(!used, Button::new("Remove").small());
     remove.widget_info(|| WidgetInfo::labeled(Role::Button, !used, format!("Remove {what} {name}")));
-    remove.on_disabled_hover_text("Photos use it").clicked().then_some(Change::Remove)
+    let removed = remove.on_disabled_hover_text("Photos use it").clicked().then_some(Change::Remove);
+    done.filter(|name| !name.is_empty()).map(Change::Name).or(removed)
 }
 
 fn rename_light(session: &mut Session, index: usize, name: &str) {

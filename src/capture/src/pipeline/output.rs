@@ -28,12 +28,11 @@ pub use options::OutputOptions;
 pub fn write_solved(
     set: &CaptureSet,
     solved: &mut Solved,
-    folder: OutputFolder,
+    mut folder: OutputFolder,
     options: &OutputOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Report, PipelineError> {
     options.check()?;
-    let mut folder = folder;
     let earlier = Earlier::of(folder.target());
     earlier.retire(&mut folder);
     let mut stages = std::mem::take(&mut solved.stages);

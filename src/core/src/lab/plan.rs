@@ -212,8 +212,8 @@ fn paints(options: &PlanOptions) -> Vec<Paint> {
     };
     let physical = |paint: &Paint| paint.albedos.iter().all(|&albedo| albedo < 1.0);
     let separable = |paint: &Paint| {
-        let (colours, beta) = (vec![1.0; paint.albedos.len()], paint.beta());
-        BounceSystem::new(&colours, &beta, &colours, options.bounces).is_ok()
+        let even = vec![1.0; paint.albedos.len()];
+        check_order(&even, &paint.beta(), options.bounces).is_ok()
     };
     let varied = if own.len() > 1 { options.ratios.as_slice() } else { &[] };
     let others = varied.iter().map(of_ratio).filter(physical).filter(separable);

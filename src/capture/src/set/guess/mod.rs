@@ -33,18 +33,19 @@ pub enum Became {
 }
 
 /// Makes shots of files and adds them to a set, with the lights and colours that they name; tells for each file what it
-/// became. A dark frame or flat field that its name alone tells is one unless the pattern tells subjects. A file that the set already
-/// names in the same shot is not added twice.
+/// became. A dark frame or flat field that its name alone tells is one, unless the pattern tells subjects. A file that the
+/// set already names in the same shot is not added twice.
 pub fn add_files<P: AsRef<Path>>(set: &mut CaptureSet, files: &[P], options: &GuessOptions) -> Vec<Became> {
-    files
-        .iter()
-        .map(|file| match (options.pattern.read(file.as_ref()), pattern::correction_of_name(file.as_ref())) {
-            (Some(guess), _) if guess.subject.is_some() => add_file(set, file.as_ref(), &guess, options),
-            (_, Some(subject)) => Became::Shots(vec![assign(set, file.as_ref(), subject, None, None)]),
-            (Some(guess), None) => add_file(set, file.as_ref(), &guess, options),
+    let mut add = |file: &Path| {
+        let guess = options.pattern.read(file);
+        let tells_subject = guess.as_ref().is_some_and(|guess| guess.subject.is_some());
+        match (pattern::correction_of_name(file).filter(|_| !tells_subject), guess) {
+            (Some(subject), _) => Became::Shots(vec![assign(set, file, subject, None, None)]),
+            (None, Some(guess)) => add_file(set, file, &guess, options),
             (None, None) => Became::Unassigned(format!("does not follow {}", options.pattern)),
-        })
-        .collect()
+        }
+    };
+    files.iter().map(|file| add(file.as_ref())).collect()
 }
 
 fn add_file(set: &mut CaptureSet, file: &Path, guess: &Guess, options: &GuessOptions) -> Became {
