@@ -4,6 +4,7 @@ pub mod atomic;
 pub mod image_file;
 pub mod light_file;
 pub mod mesh_file;
+pub mod open;
 pub mod pipeline;
 pub mod report;
 pub mod set;

@@ -1,0 +1,104 @@
+//! The bounded opener: every file that is read whole is read through it.
+//!
+//! A folder that was downloaded may hold anything under any name: a pipe, which would wait for ever, a device or a file
+//! without an end, which would fill the memory. Links to files are followed; only reading goes through here.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+use thiserror::Error;
+
+/// The longest text that the program keeps or is given: settings, reports, light files.
+pub const MAX_TEXT_BYTES: u64 = 16 << 20;
+
+/// Why a file is not read. The path is the caller's to name.
+#[derive(Debug, Error)]
+pub enum OpenError {
+    /// The system refused.
+    #[error("{0}")]
+    System(#[from] io::Error),
+    /// A folder, a pipe, a socket or a device.
+    #[error("it is not a file")]
+    NotAFile,
+    /// More than is read of a file of its kind.
+    #[error("it is longer than {} MiB", max_bytes >> 20)]
+    TooLong {
+        /// The most that is read.
+        max_bytes: u64,
+    },
+    /// Bytes that are no UTF-8.
+    #[error("it is not UTF-8 text")]
+    NotText,
+}
+
+impl OpenError {
+    /// Whether there is nothing of that name.
+    pub fn is_not_found(&self) -> bool {
+        matches!(self, Self::System(error) if error.kind() == io::ErrorKind::NotFound)
+    }
+}
+
+/// Opens the file at `path`, and tells its length; neither waits for a pipe nor takes more than `max_bytes`.
+///
+/// # Errors
+/// [`OpenError::NotAFile`], [`OpenError::TooLong`], or what the system says.
+pub fn open_file(path: &Path, max_bytes: u64) -> Result<(File, u64), OpenError> {
+    // Asked before it is opened: opening a pipe waits for its writer, opening a device may do something.
+    let facts = fs::metadata(path)?;
+    if !facts.is_file() {
+        return Err(OpenError::NotAFile);
+    }
+    if facts.len() > max_bytes {
+        return Err(OpenError::TooLong { max_bytes });
+    }
+    Ok((File::open(path)?, facts.len()))
+}
+
+/// Reads the file at `path` whole, of at most `max_bytes`.
+///
+/// # Errors
+/// As [`open_file`].
+pub fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, OpenError> {
+    let (file, length) = open_file(path, max_bytes)?;
+    let mut bytes = Vec::with_capacity(length as usize);
+    // The stated length is no promise: some files of the system state none and never end.
+    file.take(max_bytes + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > max_bytes { Err(OpenError::TooLong { max_bytes }) } else { Ok(bytes) }
+}
+
+/// Reads the text at `path` whole, of at most [`MAX_TEXT_BYTES`].
+///
+/// # Errors
+/// As [`open_file`], and [`OpenError::NotText`].
+pub fn read_text(path: &Path) -> Result<String, OpenError> {
+    String::from_utf8(read_file(path, MAX_TEXT_BYTES)?).map_err(|_| OpenError::NotText)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_up_to_its_bound_and_not_beyond() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        fs::write(&path, b"light").unwrap();
+        assert_eq!(read_file(&path, 5).unwrap(), b"light");
+        assert!(matches!(read_file(&path, 4), Err(OpenError::TooLong { max_bytes: 4 })));
+        assert!(read_file(&folder.path().join("none"), 4).unwrap_err().is_not_found());
+        assert!(matches!(read_file(folder.path(), 4), Err(OpenError::NotAFile)));
+        fs::write(&path, b"\xff").unwrap();
+        assert!(matches!(read_text(&path), Err(OpenError::NotText)));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_or_a_file_without_an_end_is_refused_at_once() {
+        assert!(matches!(read_file(Path::new("/dev/zero"), 4), Err(OpenError::NotAFile)));
+        let folder = tempfile::tempdir().unwrap();
+        let endless = folder.path().join("sparse");
+        File::create(&endless).unwrap().set_len(1 << 42).unwrap();
+        assert!(matches!(read_file(&endless, 1 << 20), Err(OpenError::TooLong { .. })));
+    }
+}
