@@ -8,7 +8,7 @@ use firstbounce_capture::OutputFolder;
 use firstbounce_capture::mesh_file::{Quality, write_ply};
 use firstbounce_capture::pipeline::{Compared, Laying, compare_meshes, read_comparable};
 use firstbounce_core::Mesh;
-use firstbounce_core::compare::{AlignOptions, Alignment, Comparison, DistanceOptions, colour_by_distance};
+use firstbounce_core::mesh::compare::{AlignOptions, Alignment, Comparison, DistanceOptions, colour_by_distance};
 use nalgebra::Isometry3;
 use serde::Serialize;
 

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firstbounce_capture::OutputFolder;
-use firstbounce_capture::report::{PaperRowWords, PaperWords, paper_html};
-use firstbounce_core::lab::{PaperOptions, paper};
+use firstbounce_lab::{PaperOptions, PaperRowWords, PaperWords, paper, paper_html};
 
 use super::progress::Terminal;
 use super::solve::OUTPUT_FOLDER;

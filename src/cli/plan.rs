@@ -1,8 +1,8 @@
 //! `firstbounce plan SCENE`
 
 use clap::Args;
-use firstbounce_capture::pipeline::simulate::{PlanGrid, plan_advice, plan_rig};
-use firstbounce_core::lab::{Plan, PlanPoint};
+use firstbounce_lab::simulate::{PlanGrid, plan_advice, plan_rig};
+use firstbounce_lab::{Plan, PlanPoint};
 use serde::Serialize;
 
 use super::progress::Terminal;

@@ -4,10 +4,9 @@ use std::path::Path;
 
 use anyhow::bail;
 use clap::Args;
-use firstbounce_capture::pipeline::simulate::{
-    BallOptions, Exposure, LampOptions, LampPlaces, Measures, Scene, SimulateOptions,
-};
-use firstbounce_core::lab::{Crosstalk, Lens, Sensor};
+use firstbounce_core::light::scene::Lens;
+use firstbounce_lab::simulate::{BallOptions, Exposure, LampOptions, LampPlaces, Measures, Scene, SimulateOptions};
+use firstbounce_lab::{Crosstalk, Sensor};
 use nalgebra::DMatrix;
 
 use super::unit::Unit;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use firstbounce_capture::pipeline::simulate::{
+use firstbounce_lab::simulate::{
     BallOptions, SimulateOptions, SimulateReport, Simulated, check_folder, simulate, write_simulated,
 };
 use serde::Serialize;

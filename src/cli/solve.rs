@@ -6,8 +6,8 @@ use clap::{Args, ValueEnum};
 use firstbounce_capture::pipeline::{AlbedoScale, Method, OutputOptions, SolveOptions, solve, write_solved};
 use firstbounce_capture::report::{NayarWords, Report};
 use firstbounce_capture::{CaptureSet, OutputFolder};
-use firstbounce_core::indirect::IndirectOptions;
-use firstbounce_core::nayar::NayarOptions;
+use firstbounce_core::denoise::IndirectOptions;
+use firstbounce_core::methods::by_shape::NayarOptions;
 
 use super::output::OutputArgs;
 use super::progress::Terminal;

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use firstbounce_core::photo::{CLIPPED, DARK};
+use firstbounce_core::image::photo::{CLIPPED, DARK};
 use serde::{Deserialize, Serialize};
 
 /// Which colour stands for which value.

@@ -1,6 +1,6 @@
 //! The numbers of a picture on the CPU, all at once: for histograms, statistics and profiles.
 
-use firstbounce_core::statistics::profile;
+use firstbounce_core::image::statistics::profile;
 use firstbounce_core::{Mask, Plane};
 use rayon::prelude::*;
 

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use firstbounce::gpu::{
     CanvasMarks, CanvasPlane, ColourMap, Display, Drawing, Encoding, Layer, Output, Placement, Source, Twin, shade,
 };
-use firstbounce_core::{Mask, Plane, photo};
+use firstbounce_core::image::photo;
+use firstbounce_core::{Mask, Plane};
 
 use crate::card::float_card;
 

@@ -8,7 +8,7 @@ use firstbounce::app::surface::LayerName;
 use firstbounce::app::views::{Shown, entries, picture};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Unattended, solve};
-use firstbounce_core::nayar::NayarOptions;
+use firstbounce_core::methods::by_shape::NayarOptions;
 
 use crate::harness::Hands;
 

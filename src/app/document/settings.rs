@@ -1,10 +1,10 @@
 //! What a person chooses in the window beyond capture.toml.
 
 use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
-use firstbounce_core::indirect::IndirectOptions;
-use firstbounce_core::nayar::NayarOptions;
-use firstbounce_core::normals::NormalsOptions;
-use firstbounce_core::shape::ShapeOptions;
+use firstbounce_core::denoise::IndirectOptions;
+use firstbounce_core::methods::by_shape::NayarOptions;
+use firstbounce_core::stereo::normals::NormalsOptions;
+use firstbounce_core::stereo::shape::ShapeOptions;
 use serde::{Deserialize, Serialize};
 
 use super::reference::ReferenceSettings;

@@ -8,7 +8,7 @@ use firstbounce_capture::image_file::{GreenAxis, GreyBits};
 use firstbounce_capture::mesh_file::{Axes, OutputFormat};
 use firstbounce_capture::pipeline::{OutputOptions, camera_of, write_solved};
 use firstbounce_capture::report::Report;
-use firstbounce_core::decimate::DecimateOptions;
+use firstbounce_core::mesh::decimate::DecimateOptions;
 
 use super::Panel;
 use super::part::part;

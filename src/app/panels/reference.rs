@@ -4,7 +4,7 @@ use eframe::egui::{Button, ComboBox, Grid, ProgressBar, RichText, Role, Ui, Widg
 use egui_plot::{Line, Plot, Points};
 use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::Compared;
-use firstbounce_core::compare::{Comparison, Start};
+use firstbounce_core::mesh::compare::{Comparison, Start};
 
 use super::part;
 use crate::app::bars::Bars;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use firstbounce_capture::pipeline::{Compared, Laying, compare_meshes};
-use firstbounce_core::compare::{AlignOptions, DistanceOptions, Start};
+use firstbounce_core::mesh::compare::{AlignOptions, DistanceOptions, Start};
 use firstbounce_core::{Mesh, Portion, Watch};
 use nalgebra::Isometry3;
 

@@ -1,7 +1,7 @@
 //! The reference and the open set.
 
 use firstbounce_capture::mesh_file::read::LengthScale;
-use firstbounce_core::compare::Start;
+use firstbounce_core::mesh::compare::Start;
 use nalgebra::{Isometry3, Point3};
 
 use super::{How, News, Pairs};

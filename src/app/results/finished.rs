@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use firstbounce_capture::pipeline::{Separated, Solved, Surfaced};
 use firstbounce_core::Mesh;
-use firstbounce_core::shape::Shape;
+use firstbounce_core::stereo::shape::Shape;
 
 use super::{Calibration, Loaded, Meshes, Results, Shapes};
 

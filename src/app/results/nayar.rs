@@ -4,8 +4,8 @@ use firstbounce_capture::pipeline::{
     AlbedoScale, Beginning, Known, NayarSolved, camera_of, raw_lights, simulate_away, triangulate, white_light,
 };
 use firstbounce_core::mesh::MeshOptions;
-use firstbounce_core::nayar::NayarReport;
-use firstbounce_core::shape::Shape;
+use firstbounce_core::methods::by_shape::NayarReport;
+use firstbounce_core::stereo::shape::Shape;
 use firstbounce_core::{AngularError, Mesh, Plane};
 
 use super::Calibration;

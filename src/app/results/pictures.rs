@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use firstbounce_capture::pipeline::Separated;
 use firstbounce_capture::set::{Shot, Subject, Word};
-use firstbounce_core::{NormalMap, Plane, shape::Shape};
+use firstbounce_core::stereo::shape::Shape;
+use firstbounce_core::{NormalMap, Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

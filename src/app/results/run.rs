@@ -9,7 +9,7 @@ use firstbounce_capture::pipeline::{
 };
 use firstbounce_capture::set::{Colour, Light, Shot, Subject};
 use firstbounce_core::mesh::MeshOptions;
-use firstbounce_core::shape::Shape;
+use firstbounce_core::stereo::shape::Shape;
 use firstbounce_core::trust::{Trust, TrustOptions};
 use firstbounce_core::{AngularError, Photo, Plane, Watch};
 use rayon::prelude::*;

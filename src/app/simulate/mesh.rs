@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use firstbounce_capture::mesh_file::read::LengthScale;
-use firstbounce_capture::pipeline::simulate::Scene;
+use firstbounce_lab::simulate::Scene;
 
 use super::values::{SceneKind, Values};
 use crate::app::jobs::Task;

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui::{CentralPanel, Context, Panel, ProgressBar, ScrollArea, Ui, Window};
-use firstbounce_capture::pipeline::simulate::{SimulateOptions, check_folder, simulate, write_simulated};
+use firstbounce_lab::simulate::{SimulateOptions, check_folder, simulate, write_simulated};
 
 use super::dialogs::Choose;
 use super::jobs::Task;

@@ -2,8 +2,8 @@
 
 use eframe::egui::{Color32, RichText, Role, Ui, Vec2b, WidgetInfo};
 use egui_plot::{Line, LineStyle, Plot, Points};
-use firstbounce_capture::pipeline::simulate::{PlanGrid, SimulateOptions, plan_advice, plan_rig};
-use firstbounce_core::lab::{Plan, PlanPoint};
+use firstbounce_lab::simulate::{PlanGrid, SimulateOptions, plan_advice, plan_rig};
+use firstbounce_lab::{Plan, PlanPoint};
 
 use super::live::Live;
 use super::values::Values;

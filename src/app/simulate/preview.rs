@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex};
 
 use eframe::egui::{Color32, ColorImage, Image, RichText, TextureHandle, TextureOptions, Ui, vec2};
-use firstbounce_capture::pipeline::simulate::{PreparedScene, SimulateOptions, Simulated, prepare, simulate_prepared};
 use firstbounce_capture::set::Encoding;
 use firstbounce_core::{Plane, Portion};
+use firstbounce_lab::simulate::{PreparedScene, SimulateOptions, Simulated, prepare, simulate_prepared};
 
 use super::live::Live;
 use crate::app::jobs::Job;
@@ -58,7 +58,7 @@ pub fn small(options: &SimulateOptions) -> SimulateOptions {
 impl Previewer {
     /// Simulates the preview.
     pub fn preview(&self, options: &SimulateOptions, job: &Job) -> Result<Preview, String> {
-        let line = |error: firstbounce_capture::pipeline::simulate::SimulateError| error.to_string();
+        let line = |error: firstbounce_lab::simulate::SimulateError| error.to_string();
         let kept = self.last.lock().ok().and_then(|last| last.clone());
         let prepared = match kept.filter(|(of, _)| is_same_surface(of, options)) {
             Some((_, prepared)) => prepared,

@@ -1,8 +1,9 @@
 //! What a person chooses, and the options it stands for.
 
 use firstbounce_capture::mesh_file::read::LengthScale;
-use firstbounce_capture::pipeline::simulate::{BallOptions, Exposure, LampOptions, Measures, Scene, SimulateOptions};
-use firstbounce_core::lab::{Lens, Sensor};
+use firstbounce_core::light::scene::Lens;
+use firstbounce_lab::Sensor;
+use firstbounce_lab::simulate::{BallOptions, Exposure, LampOptions, Measures, Scene, SimulateOptions};
 
 use super::mesh::MeshChoice;
 

@@ -2,7 +2,7 @@
 
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, Role, Ui, WidgetInfo, vec2};
-use firstbounce_core::photo::{CLIPPED, DARK};
+use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::picture::{Picture, outdated, picture};

@@ -2,7 +2,7 @@
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::set::Subject;
-use firstbounce_core::photo::DARK;
+use firstbounce_core::image::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::Shown;

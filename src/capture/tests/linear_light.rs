@@ -12,7 +12,7 @@ use firstbounce_capture::image_file::{
 };
 use firstbounce_capture::set::{Channel, Encoding};
 use firstbounce_core::Plane;
-use firstbounce_core::photo::{CLIPPED, DARK};
+use firstbounce_core::image::photo::{CLIPPED, DARK};
 use pictures::{Folder, grey16_tiff};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;

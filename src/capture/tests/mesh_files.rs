@@ -7,7 +7,7 @@ use std::path::Path;
 use firstbounce_capture::mesh_file::{MeshFileError, Quality, write_glb, write_obj, write_ply, write_stl};
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::LengthUnit;
-use firstbounce_core::mesh_topology::MeshFault;
+use firstbounce_core::mesh::topology::MeshFault;
 use nalgebra::{Point3, Vector3};
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Property};

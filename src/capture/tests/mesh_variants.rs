@@ -8,7 +8,7 @@ use std::path::Path;
 
 use firstbounce_capture::image_file::{GreyBits, texture_png};
 use firstbounce_capture::mesh_file::{Axes, Embedded, Material, MeshContents, OutputFormat, write_mesh};
-use firstbounce_core::decimate::{DecimateOptions, decimate};
+use firstbounce_core::mesh::decimate::{DecimateOptions, decimate};
 use firstbounce_core::mesh::{LengthUnit, MeshOptions, from_depth};
 use firstbounce_core::{Camera, Mask, Mesh, Plane, Projection, Unwatched};
 use nalgebra::{Point3, Vector3};

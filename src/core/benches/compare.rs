@@ -1,7 +1,7 @@
 //! How long a comparison of two scans of a million triangles takes.
 
-use firstbounce_core::compare::{AlignOptions, DistanceOptions, align, distances};
 use firstbounce_core::mesh::LengthUnit;
+use firstbounce_core::mesh::compare::{AlignOptions, DistanceOptions, align, distances};
 use firstbounce_core::{Mesh, Unwatched};
 use nalgebra::{Isometry3, Point3, Vector3};
 

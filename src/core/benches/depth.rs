@@ -4,7 +4,7 @@
 
 use std::time::Instant;
 
-use firstbounce_core::depth::{DepthOptions, integrate};
+use firstbounce_core::stereo::depth::{DepthOptions, integrate};
 use firstbounce_core::{Camera, Mask, NormalMap, Plane, Projection, Unwatched};
 
 /// Radians of noise on each component of the normals.

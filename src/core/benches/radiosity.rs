@@ -6,8 +6,8 @@
 use std::time::Instant;
 
 use firstbounce_core::Unwatched;
-use firstbounce_core::radiosity::{FormFactorOptions, Patches, form_factors};
-use firstbounce_core::scene::Shape;
+use firstbounce_core::light::radiosity::{FormFactorOptions, Patches, form_factors};
+use firstbounce_core::light::scene::Shape;
 
 fn main() {
     println!(

@@ -4,9 +4,9 @@
 
 use std::time::{Duration, Instant};
 
-use firstbounce_core::noise::{NoiseModel, NoiseSource};
-use firstbounce_core::normals::{DirectLight, Lamp, Normals, NormalsOptions, Surface, normals_into};
+use firstbounce_core::image::noise::{NoiseModel, NoiseSource};
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, Separation, separate_into};
+use firstbounce_core::stereo::normals::{DirectLight, Lamp, Normals, NormalsOptions, Surface, normals_into};
 use firstbounce_core::{Camera, Mask, Photo, Plane, Projection, Unwatched};
 use nalgebra::Vector3;
 use rayon::prelude::*;

@@ -4,11 +4,11 @@
 
 mod shared_sets;
 
-use firstbounce_core::{
-    Photo,
-    ball::{Ball, BallError, Circle, CircleOptions, CircleReport, View, find_circle, refine_circle},
-    calibrate::*,
-    interval::{Estimate, Interval},
+use firstbounce_core::Photo;
+use firstbounce_core::calibrate::*;
+use firstbounce_core::interval::{Estimate, Interval};
+use firstbounce_core::sphere::{
+    Ball, BallError, Circle, CircleOptions, CircleReport, View, find_circle, refine_circle,
 };
 use nalgebra::Vector3;
 use shared_sets::{CAT_LAMPS, SETS, Set, Truth, cat_directions, cat_mirror, shared_data};

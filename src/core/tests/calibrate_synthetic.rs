@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use firstbounce_core::{
-    Photo, Plane,
-    ball::{Ball, BallError, Circle, CircleOptions, View, find_circle, refine_circle},
-    calibrate::*,
-    photo::{CLIPPED, DARK},
-};
+use firstbounce_core::calibrate::*;
+use firstbounce_core::image::photo::{CLIPPED, DARK};
+use firstbounce_core::sphere::{Ball, BallError, Circle, CircleOptions, View, find_circle, refine_circle};
+use firstbounce_core::{Photo, Plane};
 use nalgebra::Vector3;
 use std::cell::Cell;
 

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use exr::prelude::read_first_flat_layer_from_file;
-use firstbounce_core::depth::{DepthOptions, integrate};
+use firstbounce_core::stereo::depth::{DepthOptions, integrate};
 use firstbounce_core::{Camera, Mask, NormalMap, Plane, Projection, Unwatched};
 
 /// The folder of a capture set; `None`, and says so, where the shared data is not there.

@@ -6,11 +6,9 @@ use std::{
 };
 
 use exr::prelude::read_first_flat_layer_from_file;
-use firstbounce_core::{
-    Camera, Plane, Projection, Unwatched,
-    radiosity::{BounceOptions, FormFactorOptions, Patches, form_factors},
-    scene::{Lamp, RenderOptions, Shape, render},
-};
+use firstbounce_core::light::radiosity::{BounceOptions, FormFactorOptions, Patches, form_factors};
+use firstbounce_core::light::scene::{Lamp, RenderOptions, Shape, render};
+use firstbounce_core::{Camera, Plane, Projection, Unwatched};
 use nalgebra::{Unit, Vector3};
 use serde_json::Value;
 

@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use firstbounce_core::Mesh;
-use firstbounce_core::colour::srgb_from_linear;
+use firstbounce_core::image::colour::srgb_from_linear;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 

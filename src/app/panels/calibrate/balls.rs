@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use eframe::egui::{ComboBox, RichText, Ui};
 use firstbounce_capture::set::{Circle, Sphere, SphereKind, Subject, Word};
-use firstbounce_core::ball::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
+use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
 
 use super::{ball_title, balls_of};
 use crate::app::jobs::Task;
@@ -188,7 +188,7 @@ fn find(loaded: &Arc<Loaded>, subject: Subject, look: Look) -> Result<CircleRepo
     match look {
         Look::Anywhere => find_circle(&planes, None, &options),
         Look::Under(Circle { centre: [x, y], radius }) => {
-            refine_circle(&planes, &ball::Circle { centre_px: (x, y), radius_px: radius }, &options)
+            refine_circle(&planes, &sphere::Circle { centre_px: (x, y), radius_px: radius }, &options)
         }
         // A click beside the ball means the ball all the same, if it is the only one near.
         Look::Near([x, y]) => find_circle(&planes, Some((x, y)), &options).or_else(|missed| {

@@ -9,7 +9,7 @@ use firstbounce_capture::atomic::write_file;
 use firstbounce_capture::image_file::{mask_png, read_mask};
 use firstbounce_capture::set::Subject;
 use firstbounce_core::Mask;
-use firstbounce_core::mask::Combine;
+use firstbounce_core::image::mask::Combine;
 
 use crate::app::dialogs::Choose;
 use crate::app::panels::Over;

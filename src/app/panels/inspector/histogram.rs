@@ -2,7 +2,7 @@
 
 use eframe::egui::{Color32, Role, Ui, WidgetInfo};
 use egui_plot::{Line, Plot};
-use firstbounce_core::statistics::{Histogram, Scale};
+use firstbounce_core::image::statistics::{Histogram, Scale};
 
 use super::number;
 

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{Grid, RichText, Ui};
 use firstbounce_core::Mask;
-use firstbounce_core::statistics::{Histogram, Region, RegionStatistics, Scale, statistics};
+use firstbounce_core::image::statistics::{Histogram, Region, RegionStatistics, Scale, statistics};
 
 use super::{histogram, number};
 use crate::app::jobs::Task;

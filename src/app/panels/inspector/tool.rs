@@ -2,7 +2,7 @@
 
 use eframe::egui::{Color32, Painter, Pos2, RichText, Stroke, Ui};
 use firstbounce_capture::set::Subject;
-use firstbounce_core::statistics::Region;
+use firstbounce_core::image::statistics::Region;
 
 use super::OnSubject;
 use crate::app::canvas::Transform;

@@ -1,9 +1,7 @@
 //! What the capture sets in ../shared/data hold, as far as calibration needs it.
 
-use firstbounce_core::{
-    Photo, Plane,
-    photo::{CLIPPED, DARK},
-};
+use firstbounce_core::image::photo::{CLIPPED, DARK};
+use firstbounce_core::{Photo, Plane};
 use image::DynamicImage;
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,156 @@
+//! The average of repeats of one picture, and what their differences tell about noise.
+
+use std::borrow::Borrow;
+use std::path::PathBuf;
+
+use firstbounce_core::Plane;
+use firstbounce_core::image::photo::CLIPPED;
+use rayon::prelude::*;
+
+use super::linearise::Scale;
+use super::{ImageError, ImageFile, ImageWarning, LinearOptions};
+
+/// How many bins of signal the variance is averaged in.
+const BINS: usize = 64;
+
+/// How the noise of one picture grows with its signal, from the differences between repeats.
+///
+/// Signal is a fraction of the range from black to white, dark frame subtracted, before the division by flat field and
+/// exposure: there one camera has one noise law, read noise and photon noise, for all its pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RepeatNoise {
+    /// Bins of rising signal, those without pixels left out.
+    pub bins: Vec<NoiseBin>,
+}
+
+/// Pixels of about the same signal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NoiseBin {
+    /// Their mean signal.
+    pub signal: f64,
+    /// The mean of their variances: the variance of one repeat, unbiased. That of the average is smaller by the number
+    /// of repeats.
+    pub variance: f64,
+    /// How many pixels, none of them clipped.
+    pub pixels: usize,
+}
+
+/// The running average of repeats, in fractions of the range from black to white.
+pub(super) struct Average {
+    pub mean: Plane,
+    /// Sum of squared deviations from the mean; `None` before the second repeat.
+    spread: Option<Vec<f32>>,
+    pub marks: Vec<u8>,
+    pub repeats: usize,
+    /// From one stored integer to the next, in the middle of the range; 0 for floats.
+    pub step: f32,
+    pub first: PathBuf,
+    pub warnings: Vec<ImageWarning>,
+}
+
+impl Average {
+    /// Averages all `images`, which are read one after the other so that one at a time is in memory.
+    pub fn of<I: Borrow<ImageFile>>(
+        images: impl IntoIterator<Item = Result<I, ImageError>>,
+        options: &LinearOptions,
+    ) -> Result<Self, ImageError> {
+        let mut images = images.into_iter();
+        let first = images.next().ok_or(ImageError::NoFiles)??;
+        let mut average = Self::start(first.borrow(), options)?;
+        drop(first);
+        for image in images {
+            average.add(image?.borrow(), options)?;
+        }
+        Ok(average)
+    }
+
+    fn start(image: &ImageFile, options: &LinearOptions) -> Result<Self, ImageError> {
+        let scale = Scale::new(options, image)?;
+        let (width, height) = image.size();
+        let mut mean = Plane::filled(width, height, 0.0);
+        let mut marks = vec![0; width * height];
+        let rows = mean.data_mut().par_chunks_mut(width).zip(marks.par_chunks_mut(width));
+        rows.enumerate().for_each(|(y, (mean, marks))| scale.row(y, mean, marks));
+        let (first, warnings) = (image.path.clone(), image.warnings.clone());
+        let step = if image.stored.maximum.is_some() { scale.step() } else { 0.0 };
+        Ok(Self { mean, spread: None, marks, repeats: 1, step, first, warnings })
+    }
+
+    /// Welford's update: stable in f32, in one pass.
+    fn add(&mut self, image: &ImageFile, options: &LinearOptions) -> Result<(), ImageError> {
+        let scale = Scale::new(options, image)?;
+        check_same_size(image, &self.mean, &self.first.display().to_string())?;
+        self.repeats += 1;
+        let share = 1.0 / self.repeats as f32;
+        let width = self.mean.width();
+        let spread = self.spread.get_or_insert_with(|| vec![0.0; self.marks.len()]);
+        let rows = self.mean.data_mut().par_chunks_mut(width);
+        rows.zip(spread.par_chunks_mut(width)).zip(self.marks.par_chunks_mut(width)).enumerate().for_each_init(
+            || vec![0.0; width],
+            |light, (y, ((means, spreads), marks))| {
+                scale.row(y, light, marks);
+                for ((mean, spread), &light) in means.iter_mut().zip(spreads).zip(light.iter()) {
+                    let change = light - *mean;
+                    *mean += change * share;
+                    *spread += change * (light - *mean);
+                }
+            },
+        );
+        self.warnings.extend(image.warnings.iter().cloned());
+        Ok(())
+    }
+
+    /// The noise by signal; `None` for a single picture.
+    pub fn noise(&self) -> Option<RepeatNoise> {
+        let spread = self.spread.as_ref()?;
+        let width = self.mean.width();
+        let means = self.mean.data().par_chunks(width);
+        let sums = means
+            .zip(spread.par_chunks(width))
+            .zip(self.marks.par_chunks(width))
+            .fold(
+                || [NoiseBin::default(); BINS],
+                |mut bins, ((means, spreads), marks)| {
+                    for ((&mean, &spread), &mark) in means.iter().zip(spreads).zip(marks) {
+                        if mark & CLIPPED == 0 {
+                            // A cast from float clamps: noise below black falls in the first bin.
+                            let bin = &mut bins[((mean * BINS as f32) as usize).min(BINS - 1)];
+                            bin.signal += f64::from(mean);
+                            bin.variance += f64::from(spread);
+                            bin.pixels += 1;
+                        }
+                    }
+                    bins
+                },
+            )
+            .reduce(|| [NoiseBin::default(); BINS], added);
+        let degrees_of_freedom = (self.repeats - 1) as f64;
+        let bins = sums.into_iter().filter(|bin| bin.pixels > 0).map(|sum| NoiseBin {
+            signal: sum.signal / sum.pixels as f64,
+            variance: sum.variance / sum.pixels as f64 / degrees_of_freedom,
+            pixels: sum.pixels,
+        });
+        Some(RepeatNoise { bins: bins.collect() })
+    }
+}
+
+fn added(mut left: [NoiseBin; BINS], right: [NoiseBin; BINS]) -> [NoiseBin; BINS] {
+    for (left, right) in left.iter_mut().zip(right) {
+        left.signal += right.signal;
+        left.variance += right.variance;
+        left.pixels += right.pixels;
+    }
+    left
+}
+
+fn check_same_size(image: &ImageFile, expected: &Plane, expected_by: &str) -> Result<(), ImageError> {
+    if image.size() == expected.size() {
+        return Ok(());
+    }
+    Err(ImageError::SizeMismatch {
+        path: image.path.clone(),
+        size: image.size(),
+        expected_by: expected_by.to_string(),
+        expected: expected.size(),
+    })
+}

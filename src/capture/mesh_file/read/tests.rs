@@ -1,0 +1,264 @@
+//! Good files of every kind, and bad ones of every kind.
+
+use firstbounce_core::mesh::topology::MeshFault;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+use super::*;
+use crate::mesh_file::stl::stl_into;
+use crate::mesh_file::test_mesh::tetrahedron;
+use crate::mesh_file::{Axes, MeshContents, OutputFormat, write_mesh};
+
+const MM: LengthScale = LengthScale::Millimetre;
+
+const OBJ: &str = "# a unit cube's lid in two objects, one of them a quad\no quad\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
+    vn 0 0 2\nf 1//1 2//1 3//1 4//1\no triangle\nv 2 0.5 0\nf -4//-1 5//-1 -3//-1\n";
+
+const PLY: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 5\nproperty float x\nproperty float y\n\
+    property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n\
+    property list uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n1.5 1 0 0 0 255\n\
+    0.5 2 0 188 188 188\n-0.5 1 0 0 0 0\n5 0 1 2 3 4\n";
+
+const STL: &str = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n\
+    endsolid\n";
+
+fn stl_binary() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    stl_into(&mut bytes, &tetrahedron(), Axes::YUp).unwrap();
+    bytes
+}
+
+/// The PLY above as its binary twin.
+fn ply_binary(number: fn(f64, usize) -> Vec<u8>, name: &str) -> Vec<u8> {
+    let (header, body) = PLY.split_once("end_header\n").unwrap();
+    let mut bytes = format!("{}end_header\n", header.replace("ascii", name)).into_bytes();
+    for line in body.lines() {
+        let values: Vec<f64> = line.split(' ').map(|value| value.parse().unwrap()).collect();
+        let sizes: &[usize] = if values[0] == 5.0 { &[1, 104, 104, 104, 104, 104] } else { &[4, 4, 8, 1, 1, 1] };
+        values.iter().zip(sizes).for_each(|(&value, &size)| bytes.extend(number(value, size)));
+    }
+    bytes
+}
+
+/// One number in little-endian order: sizes 4 and 8 are floats, 1 and 104 integers of one and four bytes.
+fn little(value: f64, size: usize) -> Vec<u8> {
+    match size {
+        1 => vec![value as u8],
+        4 => (value as f32).to_le_bytes().to_vec(),
+        8 => value.to_le_bytes().to_vec(),
+        _ => (value as i32).to_le_bytes().to_vec(),
+    }
+}
+
+fn big(value: f64, size: usize) -> Vec<u8> {
+    little(value, size).into_iter().rev().collect()
+}
+
+fn read(bytes: &[u8], extension: &str) -> MeshFile {
+    mesh_from_bytes(bytes, extension, MM).unwrap()
+}
+
+fn problem(bytes: impl AsRef<[u8]>, extension: &str) -> MeshProblem {
+    let problem = mesh_from_bytes(bytes.as_ref(), extension, MM).unwrap_err();
+    assert_eq!(problem.to_string().lines().count(), 1, "{problem}");
+    problem
+}
+
+#[test]
+fn obj_quads_objects_and_relative_indices_become_one_mesh() {
+    let file = read(OBJ.as_bytes(), "obj");
+    assert_eq!(file.format, MeshFormat::Obj);
+    assert_eq!(file.mesh.positions.len(), 5, "objects share the corners at one position");
+    assert_eq!(file.mesh.triangles.len(), 3);
+    assert!(file.mesh.normals.iter().all(|n| (n - nalgebra::Vector3::z()).norm() < 1e-6), "the file's, made unit");
+    assert!(file.mesh.area_weighted_normals().iter().all(|n| n.z > 0.99), "winding kept");
+    assert!(file.warnings.contains(&MeshWarning::PolygonsSplit { count: 1 }));
+}
+
+#[test]
+fn all_three_plys_are_the_same_mesh() {
+    let text = read(PLY.as_bytes(), "ply");
+    assert_eq!((text.mesh.positions.len(), text.mesh.triangles.len()), (5, 3), "a pentagon is three triangles");
+    assert_eq!(text.mesh.positions[3], nalgebra::Point3::new(0.5, 2.0, 0.0));
+    assert_eq!(text.mesh.colours[0], [1.0, 0.0, 0.0]);
+    assert!((text.mesh.colours[3][0] - 0.5029).abs() < 1e-3, "188 of sRGB is half the light");
+    for binary in [ply_binary(little, "binary_little_endian"), ply_binary(big, "binary_big_endian")] {
+        assert_eq!(read(&binary, "ply"), text);
+    }
+}
+
+#[test]
+fn stl_corners_are_joined_and_a_header_that_says_solid_fools_nobody() {
+    let solid = tetrahedron();
+    let mut bytes = stl_binary();
+    let file = read(&bytes, "stl");
+    assert_eq!((file.mesh.positions.len(), file.mesh.triangles.len()), (4, 4));
+    assert_eq!(file.mesh.bounds(), solid.bounds());
+    assert!(file.mesh.open_edges().border.is_empty() && file.warnings.is_empty());
+    bytes[..6].copy_from_slice(b"solid ");
+    assert_eq!(read(&bytes, "stl"), file);
+    assert_eq!(read(STL.as_bytes(), "stl").mesh.triangles, [[0, 1, 2]], "a nameless solid");
+    assert_eq!(read(STL.as_bytes(), "stl").format, MeshFormat::StlText);
+}
+
+#[test]
+fn a_text_stl_of_several_solids_is_all_of_them() {
+    let other = STL.replace("solid", "solid lid of the box").replace("vertex 1 0 0", "vertex -1 0 0");
+    let file = read(format!("{STL}\n{other}").as_bytes(), "stl");
+    assert_eq!((file.mesh.positions.len(), file.mesh.triangles.len()), (4, 2), "two triangles that share an edge");
+    // Cut off within the second, or between its end and that of the file.
+    for end in [other.len() / 2, other.find("endsolid").unwrap()] {
+        let cut = format!("{STL}{}", &other[..end]);
+        assert!(problem(cut, "stl").to_string().contains("cut off"));
+    }
+    // Lines may end as on other systems.
+    assert_eq!(read(format!("{STL}{other}").replace('\n', "\r\n").as_bytes(), "stl").mesh, file.mesh);
+}
+
+#[test]
+fn lengths_become_mm() {
+    for (scale, mm) in
+        [(MM, 1.0), (LengthScale::Centimetre, 10.0), (LengthScale::Metre, 1e3), (LengthScale::Inch, 25.4)]
+    {
+        let mesh = mesh_from_bytes(STL.as_bytes(), "stl", scale).unwrap().mesh;
+        assert_eq!(mesh.bounds().unwrap().1, nalgebra::Point3::new(mm, mm, 0.0));
+    }
+}
+
+#[test]
+fn a_mesh_of_our_own_comes_back_in_its_unit_and_its_axes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mesh");
+    for (format, unit, axes) in [OutputFormat::Obj, OutputFormat::Ply, OutputFormat::Stl]
+        .into_iter()
+        .flat_map(|format| [LengthUnit::Millimetre, LengthUnit::Pixel].map(|unit| (format, unit)))
+        .flat_map(|(format, unit)| [Axes::YUp, Axes::ZUp].map(|axes| (format, unit, axes)))
+    {
+        let mesh = firstbounce_core::Mesh { unit, ..tetrahedron() };
+        write_mesh(&path, format, &MeshContents { axes, ..MeshContents::of(&mesh) }).unwrap();
+        let file = read_mesh(&path, MM).unwrap();
+        assert_eq!(file.mesh.unit, unit, "{format} {axes:?}");
+        assert_eq!(file.mesh.bounds(), mesh.bounds(), "{format} {axes:?}");
+        assert!(file.mesh.area_weighted_normals().iter().zip(&file.mesh.normals).all(|(a, b)| a.dot(b) > 0.5));
+        assert_eq!(file.warnings.contains(&MeshWarning::InPixels), unit == LengthUnit::Pixel);
+        assert_eq!(file.warnings.contains(&MeshWarning::TurnedBack), axes == Axes::ZUp);
+        // A person who gives it a unit is believed.
+        assert_eq!(read_mesh(&path, LengthScale::Metre).unwrap().mesh.unit, LengthUnit::Millimetre);
+    }
+    // Words of other programs turn nothing.
+    let foreign = format!("# unit: pixels\n# axes: x right, z up, y away from the camera\n{OBJ}");
+    assert_eq!(read(foreign.as_bytes(), "obj"), read(OBJ.as_bytes(), "obj"));
+}
+
+#[test]
+fn the_contents_win_over_the_extension() {
+    let file = read(PLY.as_bytes(), "obj");
+    assert_eq!(file.format, MeshFormat::Ply);
+    assert_eq!(file.warnings[0].to_string(), "named .obj, but it is PLY");
+}
+
+#[test]
+fn odd_meshes_are_read_with_a_warning() {
+    let fan = "v 0 0 0\nv 0 0 1\nv 1 0 0\nv 0 1 0\nv -1 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
+    assert!(read(fan.as_bytes(), "obj").warnings.contains(&MeshWarning::NonManifold { edges: 1 }));
+    let doubled = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 4 6 5\nf 2 4 6\n";
+    let file = read(doubled.as_bytes(), "obj");
+    assert_eq!(file.warnings, [MeshWarning::DuplicatesJoined { count: 2 }, MeshWarning::CollapsedDropped { count: 1 }]);
+    let far = "v 4000000 0 0\nv 4000100 0 0\nv 4000000 100 0\nf 1 2 3\n";
+    let warning = &read(far.as_bytes(), "obj").warnings[0];
+    assert!(matches!(warning, MeshWarning::CoarseCoordinates { step_mm: 0.25, .. }), "{warning}");
+}
+
+#[test]
+fn bad_files_say_what_is_wrong() {
+    assert_eq!(problem("", "obj"), MeshProblem::EmptyFile);
+    assert_eq!(problem("hello", "obj"), MeshProblem::UnknownFormat { looks_like: "a text without any vertex" });
+    assert_eq!(problem(b"\x89PNG\r\n\x1a\n\0\0", "ply"), MeshProblem::UnknownFormat { looks_like: "a PNG picture" });
+    assert_eq!(problem("v 0 0 0\nv 1 1 1\n", "obj"), MeshProblem::Fault(MeshFault::NoTriangle { vertices: 0 }));
+    let cloud = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+        end_header\n1 2 3\n";
+    assert_eq!(problem(cloud, "ply"), MeshProblem::Fault(MeshFault::NoTriangle { vertices: 1 }));
+    let flat = "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n";
+    assert!(matches!(problem(flat, "obj"), MeshProblem::Fault(MeshFault::NoTriangle { .. })));
+    for bad in ["nan", "inf", "1e39"] {
+        let obj = format!("v 0 0 0\nv 1 0 {bad}\nv 0 1 0\nf 1 2 3\n");
+        let expected = MeshFault::NotFinite { what: "positions", count: 1, first: 1 };
+        assert_eq!(problem(obj, "obj"), MeshProblem::Fault(expected));
+    }
+}
+
+#[test]
+fn indices_that_lead_nowhere_are_refused_with_their_line() {
+    for face in ["1 2 4", "1 2 0", "-1 -2 -4", "1//1 2//1 3//1", "1/9/ 2 3", "1 2 x", "1 2 9223372036854775808"] {
+        let text = problem(format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {face}\n"), "obj").to_string();
+        assert!(text.contains("line 4"), "{face}: {text}");
+    }
+    let lost = PLY.replace("5 0 1 2 3 4", "3 0 1 5");
+    let expected = MeshFault::IndexOutOfRange { triangle: 0, index: 5, vertices: 5 };
+    assert_eq!(problem(lost, "ply"), MeshProblem::Fault(expected));
+    assert!(matches!(problem(PLY.replace("5 0 1", "5 -1 1"), "ply"), MeshProblem::Malformed { .. }));
+}
+
+#[test]
+fn files_that_are_cut_off_say_so() {
+    let stl = stl_binary();
+    let expected = MeshProblem::Truncated { what: "bytes".to_owned(), promised: 284, found: 200 };
+    assert_eq!(problem(&stl[..200], "stl"), expected);
+    assert!(problem(&STL[..60], "stl").to_string().contains("cut off"));
+    let ply = ply_binary(little, "binary_little_endian");
+    assert!(matches!(problem(&ply[..ply.len() - 3], "ply"), MeshProblem::Malformed { .. }));
+    let many = PLY.replace("vertex 5", "vertex 999999999999");
+    assert!(matches!(problem(many, "ply"), MeshProblem::Truncated { promised: 999_999_999_999, .. }));
+    assert!(matches!(problem(&PLY[..200], "ply"), MeshProblem::Malformed { .. }));
+    assert!(matches!(problem(&OBJ[..OBJ.len() - 24], "obj"), MeshProblem::Malformed { .. }));
+}
+
+#[test]
+fn folders_and_missing_files_are_named() {
+    let folder = std::env::temp_dir();
+    assert_eq!(read_mesh(&folder, MM).unwrap_err().problem, MeshProblem::Directory);
+    let missing = folder.join("firstbounce-there-is-no-such-file.ply");
+    let error = read_mesh(&missing, MM).unwrap_err();
+    assert!(matches!(error.problem, MeshProblem::Unreadable { .. }));
+    assert!(error.to_string().starts_with(&missing.display().to_string()));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
+    #[test]
+    fn no_damage_makes_a_reader_panic(
+        kind in 0..6usize,
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..8),
+        digits in prop::collection::vec(
+            (any::<prop::sample::Index>(), prop::sample::select(b"-0189 /.e
+".as_slice())), 0..4,
+        ),
+        cut in any::<prop::sample::Index>(),
+        is_cut in any::<bool>(),
+        extension in prop::sample::select(vec!["obj", "ply", "stl", ""]),
+    ) {
+        let mut bytes = match kind {
+            0 => OBJ.as_bytes().to_vec(),
+            1 => PLY.as_bytes().to_vec(),
+            2 => STL.as_bytes().to_vec(),
+            3 => stl_binary(),
+            4 => ply_binary(little, "binary_little_endian"),
+            _ => ply_binary(big, "binary_big_endian"),
+        };
+        for (at, byte) in changes {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        for (at, digit) in digits {
+            let at = at.index(bytes.len());
+            bytes.insert(at, digit);
+        }
+        if is_cut {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        match mesh_from_bytes(&bytes, extension, MM) {
+            Ok(file) => prop_assert_eq!(file.mesh.fault(), None),
+            Err(problem) => prop_assert_eq!(problem.to_string().lines().count(), 1, "{}", problem),
+        }
+    }
+}

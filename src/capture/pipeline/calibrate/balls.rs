@@ -1,0 +1,182 @@
+//! The balls of a set: their photos and their circles.
+
+use std::sync::Arc;
+
+use firstbounce_core::sphere::{Ball, Circle, CircleOptions, View, find_circle};
+use firstbounce_core::{Photo, Plane};
+use indexmap::IndexMap;
+
+use super::super::{PipelineError, PipelineWatch, SubjectPhotos, load_subject};
+use super::{BallCircle, Preference};
+use crate::set::{self, CaptureSet, Projection, Sphere, SphereKind, Subject};
+
+/// Standard deviation of a circle that the file gives, in pixels: the program wrote it, or a person snapped it to the edge.
+const GIVEN_CIRCLE_SD_PX: f64 = 0.1;
+
+/// The photos of a set's balls in linear light. Who calibrates again and again, with another circle or another typed value,
+/// keeps them: every file is read once.
+#[derive(Clone, Debug, Default)]
+pub struct BallPhotos {
+    by_subject: IndexMap<Subject, Arc<SubjectPhotos>>,
+}
+
+impl BallPhotos {
+    /// Puts in the photos of a subject that were read already.
+    pub fn put(&mut self, subject: Subject, photos: Arc<SubjectPhotos>) {
+        self.by_subject.insert(subject, photos);
+    }
+
+    /// The photos of a subject, if they were read.
+    pub fn of(&self, subject: Subject) -> Option<&Arc<SubjectPhotos>> {
+        self.by_subject.get(&subject)
+    }
+
+    /// Reads what a calibration needs and is not here yet.
+    pub fn load_missing(
+        &mut self,
+        set: &CaptureSet,
+        preference: Preference,
+        watch: &dyn PipelineWatch,
+    ) -> Result<(), PipelineError> {
+        for kind in needed(set, preference) {
+            let Some(subject) = subject_with(set, kind).filter(|subject| !self.by_subject.contains_key(subject)) else {
+                continue;
+            };
+            self.put(subject, Arc::new(load_subject(set, subject, watch)?));
+        }
+        Ok(())
+    }
+}
+
+/// The balls that have to be looked at: all, or those whose values the file does not give.
+pub(super) fn needed(set: &CaptureSet, preference: Preference) -> Vec<SphereKind> {
+    let given = &set.calibration;
+    let all = |known: &dyn Fn(&str) -> bool| set.lights.iter().all(|light| known(&light.name));
+    let balls_only = preference != Preference::File;
+    let alpha = balls_only || set.colours.len() > 1 && !all(&|light| given.alpha.contains_key(light));
+    let direction = balls_only || !all(&|light| set.given_direction(light).is_some());
+    let intensity = balls_only || !all(&|light| given.intensity.contains_key(light));
+    let beta = balls_only || set.colours.len() > 1 && given.beta.is_none();
+    let balls = [
+        (alpha || direction || intensity, SphereKind::Grey),
+        (beta, SphereKind::Material),
+        (direction, SphereKind::Mirror),
+    ];
+    balls.into_iter().filter(|(needed, _)| *needed).map(|(_, kind)| kind).collect()
+}
+
+/// Where a ball is seen: in shots of its own, or in the object's scene; `None` where the set has none.
+fn subject_with(set: &CaptureSet, kind: SphereKind) -> Option<Subject> {
+    let own = subject_of(kind);
+    let alone = set.shots_of(own).next().is_some().then_some(own);
+    alone.or_else(|| set.circle(Subject::Object, kind).map(|_| Subject::Object))
+}
+
+/// A ball, its photos and its circle.
+pub(super) struct BallShots {
+    pub kind: SphereKind,
+    photos: Arc<SubjectPhotos>,
+    pub ball: Ball,
+    pub circle_sd_px: f64,
+    pub circle: BallCircle,
+    /// The ball's radius, where the scale is known.
+    radius_mm: Option<f64>,
+}
+
+impl BallShots {
+    /// The ball of this kind among the photos that were read; `None` where the set has none.
+    pub fn among(photos: &BallPhotos, set: &CaptureSet, kind: SphereKind) -> Result<Option<Self>, PipelineError> {
+        let ball = subject_with(set, kind).and_then(|subject| Some((subject, photos.of(subject)?.clone())));
+        let Some((subject, photos)) = ball else { return Ok(None) };
+        let size = photos.all().next().map_or((0, 0), |photo| photo.linear.size());
+        let circle = match set.circle(subject, kind) {
+            Some(circle) => BallCircle { sphere: Sphere { subject, kind, circle }, found: None },
+            None => find(&photos, subject, kind)?,
+        };
+        let set::Circle { centre, radius } = circle.sphere.circle;
+        let outline = Circle { centre_px: (centre[0], centre[1]), radius_px: radius };
+        Ok(Some(Self {
+            kind,
+            photos,
+            ball: Ball::new(outline, view(set, size)),
+            circle_sd_px: circle.found.as_ref().map_or(GIVEN_CIRCLE_SD_PX, |found| found.sd_px),
+            radius_mm: mm_per_pixel(set).map(|scale| scale * radius),
+            circle,
+        }))
+    }
+
+    /// The photo under light `l` in colour `c`, or, where shots name no colour, the one photo under the light.
+    pub fn photo(&self, l: usize, c: usize) -> Option<&Photo> {
+        self.photos.photo(l, Some(c)).or_else(|| self.photos.photo(l, None))
+    }
+
+    /// One photo for each other light.
+    pub fn under_other_lights(&self, l: usize, lights: usize) -> Vec<&Photo> {
+        (0..lights).filter(|&other| other != l).filter_map(|other| self.photos.under(other).next()).collect()
+    }
+
+    /// A photo under the light, in the reference colour if there is a choice.
+    pub fn any_photo(&self, l: usize) -> Option<&Photo> {
+        self.photo(l, 0).or_else(|| self.photos.under(l).next())
+    }
+
+    /// What the photos' files warn of.
+    pub fn file_warnings(&self) -> &[String] {
+        &self.photos.warnings
+    }
+
+    /// The distance of a lamp in radii of the ball, for a ball in the object's place.
+    pub fn lamp_distance_radii(&self, position_mm: [f64; 3]) -> Option<f64> {
+        let distance = position_mm.iter().map(|x| x * x).sum::<f64>().sqrt();
+        Some(distance / self.radius_mm?)
+    }
+
+    /// The ball's radius in mm, where the scale is known.
+    pub fn radius_mm(&self) -> Option<f64> {
+        self.radius_mm
+    }
+}
+
+fn find(photos: &SubjectPhotos, subject: Subject, kind: SphereKind) -> Result<BallCircle, PipelineError> {
+    let planes: Vec<&Plane> = photos.all().map(|photo| &photo.linear).collect();
+    let found = find_circle(&planes, None, &CircleOptions::default())
+        .map_err(|reason| PipelineError::Ball { subject, reason })?;
+    let (x, y) = found.circle.centre_px;
+    let circle = set::Circle { centre: [x, y], radius: found.circle.radius_px };
+    Ok(BallCircle { sphere: Sphere { subject, kind, circle }, found: Some(found) })
+}
+
+fn subject_of(kind: SphereKind) -> Subject {
+    match kind {
+        SphereKind::Grey => Subject::GreySphere,
+        SphereKind::Material => Subject::MaterialSphere,
+        SphereKind::Mirror => Subject::MirrorSphere,
+    }
+}
+
+/// How the camera sees a ball whose pictures have this size. Pictures that do not hold the optical axis are cut-outs from
+/// nobody knows where: there lines of sight count as parallel.
+fn view(set: &CaptureSet, size: (usize, usize)) -> View {
+    match set.camera.projection {
+        Projection::Orthographic { .. } => View::Orthographic,
+        Projection::Perspective { focal_length_px, principal_point, .. } => {
+            let (width, height) = (size.0 as f64, size.1 as f64);
+            let [x, y] = principal_point.unwrap_or([width / 2.0, height / 2.0]);
+            if x < width && y < height {
+                View::Perspective { focal_length_px, principal_point_px: (x, y) }
+            } else {
+                View::Orthographic
+            }
+        }
+    }
+}
+
+/// The scale at the object's z = 0.
+fn mm_per_pixel(set: &CaptureSet) -> Option<f64> {
+    match set.camera.projection {
+        Projection::Orthographic { mm_per_pixel } => mm_per_pixel,
+        Projection::Perspective { focal_length_px, working_distance_mm, .. } => {
+            Some(working_distance_mm / focal_length_px)
+        }
+    }
+}

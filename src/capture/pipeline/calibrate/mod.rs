@@ -1,0 +1,249 @@
+//! Balls to alpha, beta, intensity and direction; what the capture file gives can win over what is measured.
+
+mod balls;
+mod direction;
+mod measure;
+mod verdict;
+
+use firstbounce_core::calibrate::{BallPixels, Highlight, HighlightReport, RatioReport};
+use firstbounce_core::interval::Estimate;
+use firstbounce_core::sphere::CircleReport;
+
+use super::{PipelineError, PipelineWatch, Stage};
+use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
+
+pub use balls::BallPhotos;
+pub use verdict::Verdict;
+
+/// Where a value comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The reference colour's alpha and beta, the first light's intensity: 1 by definition.
+    Definition,
+    /// capture.toml, where a person typed it or the program wrote it.
+    File,
+    /// A light file (.lp).
+    LightFile,
+    /// The grey ball.
+    GreyBall,
+    /// The ball of the object's paint.
+    MaterialBall,
+    /// The highlight on the mirror ball.
+    MirrorBall,
+    /// The grey ball's shading.
+    Shading,
+    /// Mirror ball and shading, which agree.
+    MirrorAndShading,
+    /// Nothing: an assumption, named in a warning.
+    Assumed,
+}
+
+impl Source {
+    /// For people.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Definition => "by definition",
+            Self::File => "capture.toml",
+            Self::LightFile => "light file",
+            Self::GreyBall => "grey ball",
+            Self::MaterialBall => "ball of the paint",
+            Self::MirrorBall => "mirror ball",
+            Self::Shading => "grey ball's shading",
+            Self::MirrorAndShading => "mirror ball and grey ball's shading",
+            Self::Assumed => "assumed",
+        }
+    }
+}
+
+/// A calibration value, and how well it is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Known<T> {
+    /// The value in force.
+    pub value: T,
+    /// Ends of the 95 % interval; `None` for what was typed or assumed.
+    pub interval: Option<[T; 2]>,
+    /// Where it comes from.
+    pub source: Source,
+    /// The ball's pixels, used and refused by reason; `None` where none were looked at. Of a direction, the grey ball's.
+    pub pixels: Option<BallPixels>,
+}
+
+impl<T> Known<T> {
+    pub(super) fn from_file(value: T) -> Self {
+        Self { value, interval: None, source: Source::File, pixels: None }
+    }
+}
+
+impl Known<f64> {
+    fn by_definition() -> Self {
+        Self { value: 1.0, interval: Some([1.0; 2]), source: Source::Definition, pixels: None }
+    }
+
+    fn measured(estimate: Estimate, source: Source, pixels: Option<BallPixels>) -> Self {
+        let interval = [estimate.interval.low, estimate.interval.high];
+        Self { value: estimate.value, interval: Some(interval), source, pixels }
+    }
+
+    /// As the core's formulas take it; a typed value counts as exact.
+    pub(super) fn estimate(&self) -> Estimate {
+        let [low, high] = self.interval.unwrap_or([self.value; 2]);
+        Estimate { value: self.value, interval: firstbounce_core::interval::Interval { low, high } }
+    }
+}
+
+/// The circle of a ball in the pictures of a subject.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BallCircle {
+    /// Which ball, where.
+    pub sphere: Sphere,
+    /// How well it was found; `None` where the capture file gives it.
+    pub found: Option<CircleReport>,
+}
+
+/// What one colour's photo of a ball says against the reference colour's: alpha on the grey ball, alpha times beta on the
+/// ball of the paint. For the histogram and the tinted pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RatioEvidence {
+    /// Which ball.
+    pub ball: SphereKind,
+    /// Index of the light.
+    pub light: usize,
+    /// Index of the colour.
+    pub colour: usize,
+    /// The ratio in every pixel, and the pixels used and refused.
+    pub report: RatioReport,
+}
+
+/// All that is known of a rig and a paint. Lights and colours in the order of the set.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Calibrated {
+    /// By light, then colour: intensity over the reference colour's. `None` where nothing tells.
+    pub alpha: Vec<Option<Vec<Known<f64>>>>,
+    /// By colour: albedo over the reference colour's. `None` where nothing tells.
+    pub beta: Option<Vec<Known<f64>>>,
+    /// By light: strength in the reference colour relative to the first light.
+    pub intensity: Vec<Known<f64>>,
+    /// Linear light of the grey ball's paint square to a lamp of intensity 1, in the reference colour; `None` where the
+    /// ball was not looked at for intensities.
+    pub grey_light: Option<f64>,
+    /// By light: unit vector from the object to the light. `None` where nothing tells.
+    pub direction: Vec<Option<Known<[f64; 3]>>>,
+    /// By light: the bright spots on the mirror ball, the chosen one first; `None` where there is no mirror ball.
+    pub highlights: Vec<Option<HighlightReport>>,
+    /// Every ratio that was measured; what the file gives is not, unless the balls were asked for.
+    pub ratios: Vec<RatioEvidence>,
+    /// The balls' circles.
+    pub circles: Vec<BallCircle>,
+    /// What a person should know before trusting the values.
+    pub warnings: Vec<String>,
+}
+
+impl Calibrated {
+    /// alpha of every colour under light `l`.
+    pub fn alpha_values(&self, set: &CaptureSet, l: usize) -> Result<Vec<f64>, PipelineError> {
+        let alpha = self.alpha.get(l).and_then(Option::as_ref);
+        let missing = || PipelineError::NoAlpha { light: set.lights[l].name.clone() };
+        Ok(alpha.ok_or_else(missing)?.iter().map(|known| known.value).collect())
+    }
+
+    /// beta of every colour.
+    pub fn beta_values(&self) -> Result<Vec<f64>, PipelineError> {
+        Ok(self.beta.as_ref().ok_or(PipelineError::NoBeta)?.iter().map(|known| known.value).collect())
+    }
+
+    /// The values in force, by the words of the file. A light whose position or direction the file gives keeps that alone.
+    pub fn values(&self, set: &CaptureSet) -> Calibration {
+        let lights = || set.lights.iter();
+        let values = |known: &Vec<Known<f64>>| known.iter().map(|known| known.value).collect();
+        let by_light = lights().zip(&self.alpha);
+        Calibration {
+            beta: self.beta.as_ref().map(values),
+            alpha: by_light.filter_map(|(l, known)| Some((l.name.clone(), values(known.as_ref()?)))).collect(),
+            direction: lights()
+                .zip(&self.direction)
+                .filter(|(light, _)| light.direction.is_none() && light.position_mm.is_none())
+                .filter_map(|(light, known)| Some((light.name.clone(), known.as_ref()?.value)))
+                .collect(),
+            intensity: lights().zip(&self.intensity).map(|(l, known)| (l.name.clone(), known.value)).collect(),
+            grey_albedo: set.calibration.grey_albedo,
+            white_light: set.calibration.white_light,
+        }
+    }
+
+    /// The same with what `set` gives put in force, at once and without looking at a ball again: for a value that is being
+    /// typed. Lights and colours must be those that were calibrated.
+    pub fn with_given(mut self, set: &CaptureSet) -> Self {
+        let lights = set.lights.len();
+        let from_file = |values: &Vec<f64>| values.iter().copied().map(Known::from_file).collect();
+        self.alpha.resize(lights, None);
+        self.direction.resize(lights, None);
+        let assumed = Known { value: 1.0, interval: None, source: Source::Assumed, pixels: None };
+        self.intensity.resize(lights, assumed);
+        for (l, light) in set.lights.iter().enumerate() {
+            if let Some(alpha) = set.calibration.alpha.get(&light.name) {
+                self.alpha[l] = Some(from_file(alpha));
+            }
+            if let Some(direction) = set.given_direction(&light.name) {
+                self.direction[l] = Some(Known::from_file(direction));
+            }
+            if let Some(intensity) = set.calibration.intensity.get(&light.name) {
+                self.intensity[l] = Known::from_file(*intensity);
+            }
+        }
+        if let Some(beta) = &set.calibration.beta {
+            self.beta = Some(from_file(beta));
+        }
+        self
+    }
+
+    /// The likeliest highlight of light `l` that is not among those that a person deleted, by their place in the report.
+    pub fn highlight_without(&self, l: usize, deleted: &[usize]) -> Option<&Highlight> {
+        let candidates = &self.highlights.get(l)?.as_ref()?.candidates;
+        candidates.iter().enumerate().find(|(index, _)| !deleted.contains(index)).map(|(_, highlight)| highlight)
+    }
+}
+
+/// Which value wins where a capture file gives one and a ball gives another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preference {
+    /// The file's: what a person typed or accepted. Balls are measured for what the file leaves out.
+    File,
+    /// The balls': to see, or to write, what they say.
+    Balls,
+    /// The balls', but for directions that a light file put into the set.
+    BallsUnderGivenLights,
+}
+
+/// Calibrates a set from its file and its balls. Missing balls leave their values open; a ball that is there and cannot
+/// be used is an error.
+pub fn calibrate(
+    set: &CaptureSet,
+    preference: Preference,
+    watch: &dyn PipelineWatch,
+) -> Result<Calibrated, PipelineError> {
+    let mut photos = BallPhotos::default();
+    photos.load_missing(set, preference, watch)?;
+    watch.progress(Stage::Calibrate, 0.5);
+    calibrate_on(set, preference, &photos)
+}
+
+/// The same on photos of the balls that were read before.
+pub fn calibrate_on(
+    set: &CaptureSet,
+    preference: Preference,
+    photos: &BallPhotos,
+) -> Result<Calibrated, PipelineError> {
+    measure::Measuring::new(set, preference, photos)?.run()
+}
+
+/// Calibrates a set for the separation of `bounces` bounces, and makes sure that its colours can tell them apart.
+pub fn calibrate_for(set: &CaptureSet, bounces: usize, watch: &dyn PipelineWatch) -> Result<Calibrated, PipelineError> {
+    let calibrated = calibrate(set, Preference::File, watch)?;
+    let beta = calibrated.beta_values()?;
+    if bounces > 1
+        && let Some(problem) = set.check_beta_distances(&beta).into_iter().next()
+    {
+        return Err(PipelineError::Beta(problem));
+    }
+    Ok(calibrated)
+}

@@ -1,0 +1,15 @@
+//! Pictures as numbers: planes, masks, photos in linear light, normal maps, and what is measured on them.
+
+pub mod colour;
+pub mod evaluate;
+pub mod mask;
+pub mod noise;
+pub mod normal_map;
+pub mod photo;
+pub mod plane;
+pub mod statistics;
+
+pub use mask::Mask;
+pub use normal_map::{AngularError, NormalMap};
+pub use photo::Photo;
+pub use plane::Plane;

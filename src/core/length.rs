@@ -1,0 +1,10 @@
+//! What lengths are measured in.
+
+/// The unit of a mesh's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Millimetres: the camera's scale is known.
+    Millimetre,
+    /// Pixels: no scale is known, the shape is right up to one.
+    Pixel,
+}

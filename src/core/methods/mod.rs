@@ -1,0 +1,3 @@
+//! Whole methods that take the indirect light out of photos.
+
+pub mod by_shape;

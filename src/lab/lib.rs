@@ -1,0 +1,117 @@
+//! The lab: photos of rendered scenes by a camera that errs, balls whose pictures are known in closed form, a planner that
+//! foretells the errors of a rig, and the experiments of Liao, Huang and Yang, CVPR 2011, on synthetic scenes.
+
+mod balls;
+mod crosstalk;
+mod paper;
+mod plan;
+mod sensor;
+pub mod simulate;
+
+use thiserror::Error;
+
+use firstbounce_core::denoise::IndirectError;
+use firstbounce_core::light::radiosity::RadiosityError;
+use firstbounce_core::light::scene::SceneError;
+use firstbounce_core::separate::SeparateError;
+use firstbounce_core::stereo::normals::NormalsError;
+
+pub use balls::{BallPicture, LampSpot};
+pub use crosstalk::Crosstalk;
+pub use paper::{
+    Figure3Point, Figure3Words, PUBLISHED, Paper, PaperErrorWords, PaperErrors, PaperOptions, PaperRowWords,
+    PaperWords, PublishedWords, TableRow, paper, paper_html,
+};
+pub use plan::{Plan, PlanOptions, PlanPoint, plan};
+pub use sensor::Sensor;
+
+/// Why the lab could not do what was asked.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LabError {
+    /// An option out of its range.
+    #[error("{option} is {value}; it must be {range}")]
+    BadOption {
+        /// The field of the options.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// A matrix that does not fit the colours.
+    #[error("the crosstalk matrix is {rows} x {columns} for {colours} colours; give one row and one column a colour")]
+    CrosstalkShape {
+        /// Rows of the matrix.
+        rows: usize,
+        /// Columns of the matrix.
+        columns: usize,
+        /// Colours there are.
+        colours: usize,
+    },
+    /// Photos without a pixel to judge by.
+    #[error(
+        "at this exposure no pixel that three lamps light keeps enough colours that do not clip; lower the exposure"
+    )]
+    Overexposed,
+    /// The scene could not be lit or seen.
+    #[error(transparent)]
+    Scene(SceneError),
+    /// An experiment's separation.
+    #[error("cannot separate: {0}")]
+    Separate(SeparateError),
+    /// An experiment's photometric stereo.
+    #[error("no normals: {0}")]
+    Normals(NormalsError),
+    /// An experiment's quiet direct light.
+    #[error("cannot quieten the direct light: {0}")]
+    Indirect(IndirectError),
+    /// The watcher asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl From<SceneError> for LabError {
+    fn from(error: SceneError) -> Self {
+        match error {
+            SceneError::Cancelled => Self::Cancelled,
+            other => Self::Scene(other),
+        }
+    }
+}
+
+impl From<RadiosityError> for LabError {
+    fn from(error: RadiosityError) -> Self {
+        SceneError::from(error).into()
+    }
+}
+
+impl From<SeparateError> for LabError {
+    fn from(error: SeparateError) -> Self {
+        match error {
+            SeparateError::Cancelled => Self::Cancelled,
+            other => Self::Separate(other),
+        }
+    }
+}
+
+impl From<IndirectError> for LabError {
+    fn from(error: IndirectError) -> Self {
+        match error {
+            IndirectError::Cancelled => Self::Cancelled,
+            IndirectError::Separate(error) => error.into(),
+            other => Self::Indirect(other),
+        }
+    }
+}
+
+impl From<NormalsError> for LabError {
+    fn from(error: NormalsError) -> Self {
+        match error {
+            NormalsError::Cancelled => Self::Cancelled,
+            other => Self::Normals(other),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

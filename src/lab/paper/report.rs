@@ -1,0 +1,298 @@
+//! The paper's synthetic experiments, done again, for programs and for people.
+
+use firstbounce_core::trust::gain_of_ratio;
+use maud::{Markup, html};
+use serde::Serialize;
+
+use super::plot::{Axis, Bar, Curve, Plot, Scale, bars};
+use super::{Figure3Point, Paper, PaperErrors, PaperOptions, TableRow};
+use firstbounce_capture::report::page::page;
+
+/// What survives of the paper's own figures for one scene. The scan lost most cells of its Table 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PublishedWords {
+    /// Which of our scenes stands for the paper's.
+    pub scene: &'static str,
+    /// Mean error of the normals from the photos as they are.
+    pub raw_deg: Option<f64>,
+    /// Mean error of the normals from bounce 1.
+    pub separated_deg: Option<f64>,
+    /// Mean error of bounce 1 in grey levels of 8 bits.
+    pub direct_error_levels: f64,
+    /// Mean of the true direct light in the same.
+    pub mean_direct_level: f64,
+    /// The one over the other.
+    pub direct_error_percent: f64,
+}
+
+/// The paper's surviving figures: its sections 4 and 4.1.
+pub const PUBLISHED: [PublishedWords; 2] = [
+    PublishedWords {
+        scene: "corner",
+        raw_deg: Some(7.88),
+        separated_deg: Some(1.11),
+        direct_error_levels: 0.76,
+        mean_direct_level: 94.0,
+        direct_error_percent: 0.8,
+    },
+    PublishedWords {
+        scene: "tray",
+        raw_deg: None,
+        separated_deg: None,
+        direct_error_levels: 1.57,
+        mean_direct_level: 109.0,
+        direct_error_percent: 1.4,
+    },
+];
+
+/// All results. Errors without a prefix are of pictures of 8 bits, as the paper's were; those under `noiseless` of
+/// pictures without noise or rounding.
+#[derive(Clone, Debug, Serialize)]
+pub struct PaperWords {
+    /// The program and its version.
+    pub program: String,
+    /// Side of the pictures.
+    pub size_px: usize,
+    /// The synthetic half of Table 1.
+    pub table: Vec<PaperRowWords>,
+    /// Figure 3.
+    pub figure3: Vec<Figure3Words>,
+    /// The paper's own figures.
+    pub published: [PublishedWords; 2],
+}
+
+/// One scene under one kind of light, in pictures of 8 bits.
+#[derive(Clone, Debug, Serialize)]
+pub struct PaperRowWords {
+    /// "corner" or "tray".
+    pub scene: &'static str,
+    /// "two bounces", "four bounces" or "all bounces": what the pictures hold.
+    pub light: &'static str,
+    /// The order m that was separated.
+    pub bounces: usize,
+    /// Bits of the pictures.
+    pub bits: u32,
+    /// The paint, reference first.
+    pub albedos: Vec<f64>,
+    /// The mean of the true direct light in grey levels of 8 bits.
+    pub mean_direct_level: f64,
+    /// Errors in pictures of 8 bits.
+    #[serde(flatten)]
+    pub errors: PaperErrorWords,
+    /// The same without noise or rounding.
+    pub noiseless: PaperErrorWords,
+}
+
+/// Mean errors over the pixels that all three lamps light.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PaperErrorWords {
+    /// Normals from the pictures as they are.
+    pub raw_deg: f64,
+    /// Normals from bounce 1.
+    pub separated_deg: f64,
+    /// Normals from the true direct light: what photometric stereo itself costs.
+    pub true_direct_deg: f64,
+    /// Bounce 1 against the true direct light, in percent of its mean.
+    pub direct_error_percent: f64,
+    /// The same in grey levels of 8 bits.
+    pub direct_error_levels: f64,
+}
+
+/// A point of Figure 3.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Figure3Words {
+    /// beta: the second albedo over the first.
+    pub ratio: f64,
+    /// Bits of the pictures.
+    pub bits: u32,
+    /// Mean error of bounce 1 in percent of the mean true direct light.
+    pub error_percent: f64,
+}
+
+impl PaperWords {
+    /// Of results found with these options.
+    pub fn of(paper: &Paper, options: &PaperOptions) -> Self {
+        Self {
+            program: format!("firstbounce {}", env!("CARGO_PKG_VERSION")),
+            size_px: options.size_px,
+            table: paper.table.iter().map(PaperRowWords::of).collect(),
+            figure3: paper.figure3.iter().map(Figure3Words::of).collect(),
+            published: PUBLISHED,
+        }
+    }
+}
+
+impl PaperRowWords {
+    fn of(row: &TableRow) -> Self {
+        Self {
+            scene: row.scene,
+            light: row.light,
+            bounces: row.bounces,
+            bits: 8,
+            albedos: row.albedos.clone(),
+            mean_direct_level: row.mean_direct_level,
+            errors: PaperErrorWords::of(row.eight_bit),
+            noiseless: PaperErrorWords::of(row.noiseless),
+        }
+    }
+
+    /// The paper's own figures for this row: they are of light that bounced as often as was separated.
+    pub fn published(&self) -> Option<&'static PublishedWords> {
+        PUBLISHED.iter().find(|published| published.scene == self.scene && self.light != "all bounces")
+    }
+}
+
+impl PaperErrorWords {
+    fn of(errors: PaperErrors) -> Self {
+        Self {
+            raw_deg: errors.raw_deg,
+            separated_deg: errors.separated_deg,
+            true_direct_deg: errors.true_direct_deg,
+            direct_error_percent: errors.direct_error_percent,
+            direct_error_levels: errors.direct_error_levels,
+        }
+    }
+}
+
+impl Figure3Words {
+    fn of(point: &Figure3Point) -> Self {
+        Self { ratio: point.ratio, bits: point.bits, error_percent: point.error_percent }
+    }
+}
+
+/// The page.
+pub fn paper_html(words: &PaperWords) -> String {
+    let body = html! {
+        p {
+            "Liao, Huang, Yang: \"Interreflection Removal for Photometric Stereo by Using Spectrum-dependent Albedo\", \
+             CVPR 2011, done again with this program's own radiosity, in pictures of "
+            (words.size_px) " x " (words.size_px) " pixels. The paper leaves its lamps, its first scene's albedos and its \
+             second scene's shape open: here three equal lamps stand 20 degrees from the camera's axis, the corner's \
+             albedos are 0.5 and 0.25, and the second scene is a tray with a ball and a block in it. So figures can be \
+             compared in size, not digit by digit."
+        }
+        h2 { "Table 1" }
+        (table(words))
+        p {
+            "Errors are means over the pixels that all three lamps light, in pictures of 8 bits like the paper's; \
+             \"no noise\" is the same without noise or rounding. Where the pictures hold as many bounces as are separated, \
+             the model is exact and what is left is rounding; with all bounces, what bounced more often is charged to \
+             the bounces that are separated. The paper's figures are those that survive in its scan."
+        }
+        (degrees(words))
+        h2 { "Figure 3" }
+        p {
+            "Error of bounce 1 against the ratio of the two albedos, for the corner under light of two bounces. It grows \
+             to both sides of 1, where two colours see the same paint, and toward 0, where the second colour sees hardly \
+             any. The dashed line is equation 5's gain for even noise, through the curve of 14 bits at 0.5."
+        }
+        figure { (figure3(words).svg()) }
+        details {
+            summary { "The numbers" }
+            (figure3_table(words))
+        }
+    };
+    page("The paper's synthetic experiments", include_str!("plot.css"), &words.program, &body)
+}
+
+fn table(words: &PaperWords) -> Markup {
+    let of = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
+    html! {
+        table {
+            tr {
+                th { "Scene" } th { "light" } th { "m" } th { "photos as they are, degrees" } th { "bounce 1, degrees" }
+                th { "direct light off by, levels" } th { "%" } th { "no noise: degrees" } th { "%" }
+                th { "paper: as they are" } th { "bounce 1" } th { "levels" } th { "%" }
+            }
+            @for row in &words.table {
+                @let published = row.published();
+                tr {
+                    td { (row.scene) } td { (row.light) } td { (row.bounces) }
+                    td { (format!("{:.2}", row.errors.raw_deg)) }
+                    td { strong { (format!("{:.2}", row.errors.separated_deg)) } }
+                    td { (format!("{:.2} of {:.0}", row.errors.direct_error_levels, row.mean_direct_level)) }
+                    td { (format!("{:.2}", row.errors.direct_error_percent)) }
+                    td { (format!("{:.2}", row.noiseless.separated_deg)) }
+                    td { (format!("{:.2}", row.noiseless.direct_error_percent)) }
+                    td { (of(published.and_then(|paper| paper.raw_deg))) }
+                    td { (of(published.and_then(|paper| paper.separated_deg))) }
+                    td { (published.map_or("-".into(), |paper| {
+                        format!("{:.2} of {:.0}", paper.direct_error_levels, paper.mean_direct_level)
+                    })) }
+                    td { (published.map_or("-".into(), |paper| format!("{:.1}", paper.direct_error_percent))) }
+                }
+            }
+        }
+    }
+}
+
+fn degrees(words: &PaperWords) -> Markup {
+    let group = |row: &PaperRowWords| {
+        let bars = vec![
+            Bar { name: "as they are", class: "before", value: row.errors.raw_deg },
+            Bar { name: "bounce 1, 8 bits", class: "first", value: row.errors.separated_deg },
+            Bar { name: "no noise", class: "second", value: row.noiseless.separated_deg },
+        ];
+        (format!("{}, {}", row.scene, row.light), bars)
+    };
+    let groups: Vec<_> = words.table.iter().map(group).collect();
+    html! {
+        figure {
+            (bars("Mean errors of the normals in degrees, before and after separation", "degrees", &groups))
+            figcaption { "Mean error of the normals." }
+        }
+    }
+}
+
+fn figure3(words: &PaperWords) -> Plot {
+    let of_bits = |bits: u32| words.figure3.iter().filter(move |point| point.bits == bits);
+    let curve = |bits: u32, class: &'static str| {
+        let side = |keep: fn(f64) -> bool| -> Vec<(f64, f64)> {
+            of_bits(bits).filter(|point| keep(point.ratio)).map(|point| (point.ratio, point.error_percent)).collect()
+        };
+        let pieces = vec![side(|ratio| ratio < 1.0), side(|ratio| ratio > 1.0)];
+        Curve { name: format!("{bits} bits"), class, pieces, dots: true }
+    };
+    let ratios = || of_bits(14).map(|point| point.ratio);
+    let anchor = of_bits(14).find(|point| point.ratio == 0.5).map_or(0.0, |point| point.error_percent);
+    let expected = |keep: fn(f64) -> bool| {
+        let scale = anchor / gain_of_ratio(0.5);
+        ratios().filter(|&ratio| keep(ratio)).map(|ratio| (ratio, scale * gain_of_ratio(ratio))).collect()
+    };
+    let expected = Curve {
+        name: "gain of equation 5".into(),
+        class: "expected",
+        pieces: vec![expected(|ratio| ratio < 1.0), expected(|ratio| ratio > 1.0)],
+        dots: false,
+    };
+    let most = ratios().fold(1.0, f64::max);
+    Plot {
+        description:
+            "Error of the direct light in percent, on a log scale, against the ratio of albedos: it rises to both \
+                      sides of ratio 1"
+                .into(),
+        x: Axis {
+            label: "ratio of albedos, second over first",
+            scale: Scale::Linear,
+            range: [0.0, most],
+            ticks: (0..=(most / 0.1).round() as usize).step_by(2).map(|k| k as f64 / 10.0).collect(),
+        },
+        y: Axis::decades("error of the direct light, % (log scale)", words.figure3.iter().map(|p| p.error_percent)),
+        curves: vec![curve(8, "first"), curve(14, "second"), expected],
+    }
+}
+
+fn figure3_table(words: &PaperWords) -> Markup {
+    let error = |ratio: f64, bits: u32| {
+        let point = words.figure3.iter().find(|point| point.ratio == ratio && point.bits == bits);
+        point.map_or_else(String::new, |point| format!("{:.4}", point.error_percent))
+    };
+    html! {
+        table {
+            tr { th { "ratio" } th { "8 bits, %" } th { "14 bits, %" } }
+            @for point in words.figure3.iter().filter(|point| point.bits == 8) {
+                tr { td { (point.ratio) } td { (error(point.ratio, 8)) } td { (error(point.ratio, 14)) } }
+            }
+        }
+    }
+}
