@@ -170,7 +170,7 @@ impl Session {
     fn open_demo(&self) -> Result<Editor, String> {
         let folder = &self.folders.demo;
         if !folder.join("capture.toml").is_file() {
-            crate::cli::unpack_demo(folder).map_err(|error| format!("{error:#}"))?;
+            crate::demo::unpack(folder).map_err(|error| format!("{error:#}"))?;
         }
         Editor::open(folder).map_err(|error| error.to_string())
     }

@@ -17,14 +17,11 @@ mod simulate;
 mod solve;
 mod table;
 mod unit;
+mod window;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-
-use crate::app::{self, Start};
-
-pub use demo::unpack as unpack_demo;
 
 /// Photometric stereo without the light between an object's own walls. Without a command the window opens.
 #[derive(Debug, Parser)]
@@ -82,7 +79,7 @@ pub fn parse() -> Option<Command> {
 
 /// Runs a command; without one the window opens.
 pub fn run(command: Option<Command>) -> anyhow::Result<()> {
-    let Some(command) = command else { return app::run(Start::Nothing) };
+    let Some(command) = command else { return window::open(None) };
     match command {
         Command::Open(args) => open::run(args),
         Command::Solve(args) => solve::run(&args),

@@ -139,7 +139,7 @@ fn another_set_dropped_asks_before_unsaved_edits_are_left() {
     let mut hands = Hands::with_demo();
     hands.session().edit("Choose one bounce", |document| document.set.separation.bounces = Some(1));
     let other = hands.folder.path().join("other");
-    firstbounce::cli::unpack_demo(&other).unwrap();
+    firstbounce::demo::unpack(&other).unwrap();
     hands.drop_files(std::slice::from_ref(&other));
     assert!(hands.sees("Save the changes to Blue corner?"));
     hands.click_button("Stay");

@@ -73,7 +73,7 @@ impl Hands {
     /// A copy of the demo set, for this test alone.
     pub fn demo(&self) -> PathBuf {
         let set = self.folder.path().join("set");
-        firstbounce::cli::unpack_demo(&set).expect("the demo is written");
+        firstbounce::demo::unpack(&set).expect("the demo is written");
         set
     }
 

@@ -107,7 +107,7 @@ fn a_typed_beta_wins_is_judged_at_once_and_goes_back_to_what_was_measured() {
 fn the_rig_of_another_set_is_taken_over_by_the_names_of_its_lights() {
     let mut hands = calibrating();
     let other = hands.folder.path().join("other");
-    firstbounce::cli::unpack_demo(&other).unwrap();
+    firstbounce::demo::unpack(&other).unwrap();
     hands.harness.get_by_label("Use the rig of another set").click_accesskit();
     hands.steps();
     hands.type_into("Set whose rig to use", &other.display().to_string());
