@@ -4,9 +4,11 @@
 
 mod bad_input;
 mod calibrate;
+mod compare;
 mod export;
 mod lab;
 mod nayar;
+mod no_window;
 mod run;
 mod shared_sets;
 mod solve;

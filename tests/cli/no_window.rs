@@ -1,24 +1,22 @@
-//! Without a display the program says so in one line, and names what works.
+//! Without a window the program says so in one line, and names what works.
 
-use std::process::Command;
+use crate::run::without_display;
 
-fn without_display(args: &[&str]) -> (Option<i32>, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_firstbounce"));
-    for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
-        command.env_remove(variable);
+#[cfg_attr(any(not(unix), target_os = "macos"), ignore = "there a display has no variable")]
+#[test]
+fn without_a_window_or_a_display_for_it_there_is_one_line_and_exit_code_1() {
+    let demo = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo");
+    let reason = if cfg!(feature = "window") { "there is no display" } else { "this build has no window" };
+    for args in [vec![], vec!["open", demo]] {
+        let line = without_display(&args).failure().to_owned();
+        assert!(line.contains(reason) && line.contains("firstbounce solve SET"), "{line}");
     }
-    let output = command.args(args).output().expect("the program runs");
-    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
+#[cfg(not(feature = "window"))]
 #[test]
-#[cfg(all(unix, not(target_os = "macos")))]
-fn a_window_without_a_display_is_one_line_and_exit_code_1() {
-    let demo = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo");
-    for args in [vec![], vec!["open", demo]] {
-        let (code, said) = without_display(&args);
-        assert_eq!(code, Some(1), "{said}");
-        assert_eq!(said.lines().count(), 1, "{said}");
-        assert!(said.contains("no display") && said.contains("firstbounce solve SET"), "{said}");
-    }
+fn a_demo_in_a_build_without_a_window_ends_with_its_results() {
+    let place = tempfile::tempdir().unwrap();
+    assert_eq!(crate::run::firstbounce(place.path(), ["demo"]).code, 0);
+    assert!(place.path().join("out/demo/report.html").is_file());
 }

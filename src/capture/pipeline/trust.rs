@@ -157,11 +157,8 @@ mod tests {
     #[test]
     fn the_verdict_foretells_the_error_of_rendered_sets() {
         for (name, bounces) in [("corner-blue", 1), ("corner-blue", 2), ("groove-rgb", 2), ("bowl-four", 2)] {
-            let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
-            let Ok(set) = CaptureSet::open(&folder) else {
-                println!("skipped: no {}", folder.display());
-                continue;
-            };
+            let Some(folder) = firstbounce_testing::shared_set(name) else { continue };
+            let set = CaptureSet::open(&folder).unwrap();
             let options = crate::pipeline::SolveOptions { bounces: Some(bounces), ..Default::default() };
             let truth = evaluate(&set, &options, &Unattended).unwrap();
             let object = load_object(&set, &Unattended).unwrap();
