@@ -78,7 +78,7 @@ impl CaptureSet {
         let lit: HashSet<(Subject, &str)> = taken.iter().map(|(subject, light, _)| (*subject, *light)).collect();
         for (index, light) in self.lights.iter().enumerate() {
             let name = light.name.as_str();
-            for subject in [Subject::Object, Subject::GreySphere, Subject::MaterialSphere] {
+            for &subject in Subject::ALL.iter().filter(|subject| subject.is_matte()) {
                 let word = subject.word();
                 if !lit.contains(&(subject, name)) {
                     if subject == Subject::Object {

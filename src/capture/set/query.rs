@@ -93,6 +93,13 @@ impl CaptureSet {
         self.spheres_in(subject).find(|sphere| sphere.kind == kind).map(|sphere| sphere.circle)
     }
 
+    /// Where a ball of this kind is seen: in shots of its own, or in the object's scene; `None` where the set has none.
+    pub fn subject_with(&self, kind: SphereKind) -> Option<Subject> {
+        let own = kind.subject();
+        let alone = self.shots_of(own).next().map(|_| own);
+        alone.or_else(|| self.circle(Subject::Object, kind).map(|_| Subject::Object))
+    }
+
     /// Puts the circle of a ball, in place of one of the same subject and kind if there is one.
     pub fn put_sphere(&mut self, sphere: Sphere) {
         match self.spheres.iter_mut().find(|old| (old.subject, old.kind) == (sphere.subject, sphere.kind)) {

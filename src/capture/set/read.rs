@@ -117,7 +117,7 @@ impl Reading {
     }
 }
 
-fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> CaptureSet {
+pub(super) fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> CaptureSet {
     reader.remember(Location::Set, None, Some(0..0));
     let mut fields = Fields::new(reader, root, Location::Set);
     let schema = fields.require("schema", &format!("schema = {SCHEMA}"), count).unwrap_or(SCHEMA);

@@ -10,7 +10,8 @@ use std::path::Path;
 pub use pattern::{Guess, Pattern, PatternError};
 pub use propose::propose;
 
-use super::model::{CaptureSet, Channel, Colour, Shot, Subject};
+use super::model::{CaptureSet, Channel, Colour, Shot};
+use super::subject::{Naming, Subject};
 
 /// How files become shots.
 #[derive(Clone, Debug)]
@@ -50,15 +51,12 @@ pub fn add_files<P: AsRef<Path>>(set: &mut CaptureSet, files: &[P], options: &Gu
 
 fn add_file(set: &mut CaptureSet, file: &Path, guess: &Guess, options: &GuessOptions) -> Became {
     let subject = guess.subject.unwrap_or(options.subject);
-    let (light, colour) = match subject {
-        Subject::Dark => (None, None),
-        _ => (guess.light.as_deref(), guess.colour.as_deref()),
-    };
-    let matte = matches!(subject, Subject::Object | Subject::GreySphere | Subject::MaterialSphere);
-    if light.is_none() && (matte || subject == Subject::MirrorSphere) {
+    let light = guess.light.as_deref().filter(|_| subject.light() != Naming::Refused);
+    let colour = guess.colour.as_deref().filter(|_| subject.colour() != Naming::Refused);
+    if light.is_none() && subject.light() == Naming::Required {
         return Became::Unassigned(format!("a photo of {subject} needs a light"));
     }
-    if matte && colour.is_none() {
+    if colour.is_none() && subject.colour() == Naming::Required {
         if !options.rgb {
             return Became::Unassigned(format!("a photo of {subject} needs a colour"));
         }

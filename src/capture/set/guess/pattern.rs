@@ -7,7 +7,7 @@ use std::str::FromStr;
 use regex::{Captures, Regex, RegexBuilder};
 use thiserror::Error;
 
-use super::super::model::Subject;
+use super::super::subject::Subject;
 use super::super::word::Word;
 
 /// How the names of files are built: text with the fields `{subject}`, `{light}`, `{colour}`, `{repeat}` and `{any}`, and
@@ -67,22 +67,6 @@ pub enum PatternError {
     NoField,
 }
 
-/// Words for subjects beside those of the file format.
-const SUBJECT_WORDS: &[(Subject, &[&str])] = &[
-    (Subject::Object, &["object", "obj", "scene", "sample", "target"]),
-    (
-        Subject::GreySphere,
-        &["grey-sphere", "gray-sphere", "grey-ball", "gray-ball", "greyball", "grayball", "grey", "gray"],
-    ),
-    (Subject::MaterialSphere, &["material-sphere", "material-ball", "material", "paint-ball", "paint-sphere", "paint"]),
-    (
-        Subject::MirrorSphere,
-        &["mirror-sphere", "mirror-ball", "mirrorball", "mirror", "chrome-ball", "chrome-sphere", "chrome"],
-    ),
-    (Subject::Dark, &["dark", "darks", "dark-frame", "black"]),
-    (Subject::FlatField, &["flat-field", "flatfield", "flat", "flats", "white"]),
-];
-
 /// Words for colours, as lamps and channels are called.
 const COLOUR_WORDS: &[&str] = &[
     "red", "green", "blue", "white", "cyan", "magenta", "yellow", "amber", "orange", "violet", "uv", "ir", "nir",
@@ -106,7 +90,8 @@ impl Field {
     fn expression(self, strict: bool) -> String {
         match self {
             Self::Subject => {
-                let words = SUBJECT_WORDS.iter().flat_map(|(_, words)| *words).map(|word| word.replace('-', "[-_ ]?"));
+                let names = Subject::ALL.iter().flat_map(|subject| subject.names());
+                let words = names.map(|word| word.replace('-', "[-_ ]?"));
                 format!("(?<subject>{})", words.collect::<Vec<_>>().join("|"))
             }
             Self::Colour if strict => format!(r"(?<colour>{}|\d+ ?nm)", COLOUR_WORDS.join("|")),
@@ -228,10 +213,9 @@ fn subject_of(captures: &Captures<'_>) -> Option<Subject> {
 }
 
 fn subject_of_word(word: &str) -> Option<Subject> {
-    let found = word.to_lowercase().replace(['_', ' '], "-");
-    let bare = found.replace('-', "");
-    let means = |words: &[&str]| words.iter().any(|word| word.replace('-', "") == bare);
-    Subject::from_word(&found).or_else(|| SUBJECT_WORDS.iter().find(|(_, words)| means(words)).map(|(s, _)| *s))
+    let bare = word.to_lowercase().replace(['-', '_', ' '], "");
+    let means = |subject: &Subject| subject.names().iter().any(|word| word.replace('-', "") == bare);
+    Subject::ALL.iter().copied().find(means)
 }
 
 /// Dark frames and flat fields stand beside the photos and follow no pattern of theirs: "dark.png", "flat-03.tif". A lamp
