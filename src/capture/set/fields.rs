@@ -16,13 +16,23 @@ pub(super) struct Reader<'t> {
     line_starts: Vec<usize>,
     places: HashMap<(Location, Option<String>), usize>,
     pub(super) problems: Vec<Problem>,
+    /// Every key that was asked for, by the header of its part.
+    #[cfg(test)]
+    pub(super) asked: std::collections::BTreeSet<(&'static str, &'static str)>,
 }
 
 impl<'t> Reader<'t> {
     pub(super) fn new(text: &'t str) -> Self {
         let newlines = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let line_starts = std::iter::once(0).chain(newlines.map(|(at, _)| at + 1)).collect();
-        Self { text, line_starts, places: HashMap::new(), problems: Vec::new() }
+        Self {
+            text,
+            line_starts,
+            places: HashMap::new(),
+            problems: Vec::new(),
+            #[cfg(test)]
+            asked: Default::default(),
+        }
     }
 
     /// The line and column of a byte of the text.
@@ -77,6 +87,8 @@ impl<'r, 't> Fields<'r, 't> {
     /// The item at `key` as it stands.
     pub(super) fn item(&mut self, key: &'static str) -> Option<&'r Item> {
         self.known.push(key);
+        #[cfg(test)]
+        self.reader.asked.insert((self.location.header(), key));
         let item = self.table.get(key).filter(|item| !item.is_none())?;
         let span = self.key_span(key).or_else(|| item.span());
         self.reader.remember(self.location, Some(key), span);

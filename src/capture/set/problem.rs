@@ -29,7 +29,7 @@ pub enum Location {
 }
 
 impl Location {
-    fn header(self) -> &'static str {
+    pub(super) fn header(self) -> &'static str {
         match self {
             Self::Set => "",
             Self::Camera => "[camera]",

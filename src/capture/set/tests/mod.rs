@@ -1,5 +1,6 @@
 //! The capture set file as its authors meet it: what is read, what is refused and where, what a save keeps.
 
+mod format_page;
 mod names;
 mod random;
 mod refusals;
