@@ -44,13 +44,13 @@ pub enum Command {
     Evaluate(evaluate::EvaluateArgs),
     /// Measure how far one mesh is from another, or from the truth of a rendered set
     Compare(compare::CompareArgs),
-    /// Say what a capture set holds, and what it lacks
+    /// Show what a capture set holds, and what it lacks
     Info(info::InfoArgs),
     /// Photograph a scene whose truth is known, and write the capture set
     Simulate(Box<simulate::SimulateArgs>),
-    /// Foretell the errors of a rig against frames and albedos
+    /// Predict the errors of a rig against frames and albedos
     Plan(Box<plan::PlanArgs>),
-    /// Do the paper's synthetic experiments again
+    /// Reproduce the paper's synthetic experiments
     Paper(paper::PaperArgs),
     /// Solve the set that comes with the program
     Demo(demo::DemoArgs),

@@ -29,17 +29,17 @@ pub struct PlanArgs {
 
 /// The plan, for programs. Angles are means over the pixels that three lamps light.
 #[derive(Debug, Serialize)]
-struct PlanWords {
+struct PlanRecord {
     scene: String,
     bounces: usize,
     raw_deg: f64,
-    by_frames: Vec<PlanPointWords>,
-    by_ratio: Vec<PlanPointWords>,
+    by_frames: Vec<PlanPointRecord>,
+    by_ratio: Vec<PlanPointRecord>,
     warnings: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
-struct PlanPointWords {
+struct PlanPointRecord {
     albedos: Vec<f64>,
     ratio: f64,
     frames: usize,
@@ -64,28 +64,28 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
     let plan = plan?;
     print_warnings(&warnings);
     if args.print.json {
-        print_json(&PlanWords::of(&plan, options.scene.name(), warnings))
+        print_json(&PlanRecord::of(&plan, options.scene.name(), warnings))
     } else {
         let advice = plan_advice(&plan, options.sensor.frames);
         print(&format!("{}\n\n{advice}", text(&plan, options.scene.name())))
     }
 }
 
-impl PlanWords {
+impl PlanRecord {
     fn of(plan: &Plan, scene: &str, warnings: Vec<String>) -> Self {
-        let words = |points: &[PlanPoint]| points.iter().map(PlanPointWords::of).collect();
+        let records = |points: &[PlanPoint]| points.iter().map(PlanPointRecord::of).collect();
         Self {
             scene: scene.to_owned(),
             bounces: plan.bounces,
             raw_deg: plan.raw_deg,
-            by_frames: words(&plan.by_frames),
-            by_ratio: words(&plan.by_ratio),
+            by_frames: records(&plan.by_frames),
+            by_ratio: records(&plan.by_ratio),
             warnings,
         }
     }
 }
 
-impl PlanPointWords {
+impl PlanPointRecord {
     fn of(point: &PlanPoint) -> Self {
         let PlanPoint { ratio, frames, gain, noise_deg, tail_deg, error_deg, .. } = *point;
         Self { albedos: point.albedos.clone(), ratio, frames, gain, noise_deg, tail_deg, error_deg }
@@ -107,7 +107,7 @@ fn text(plan: &Plan, scene: &str) -> String {
     };
     let mut lines = vec![
         format!(
-            "{scene}, {} bounces separated; normals from the photos as they are: {:.2} degrees off",
+            "{scene}, {} bounces separated; normals before separation: {:.2} degrees off",
             plan.bounces, plan.raw_deg
         ),
         String::new(),
