@@ -5,12 +5,12 @@ use std::fs;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, Theme, ThemePreference};
 use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::commands::CommandId;
-use firstbounce::app::document::Recovered;
 use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::When;
-use firstbounce::app::session::Open;
+use firstbounce::app::state::document::Recovered;
+use firstbounce::app::state::results::When;
+use firstbounce::app::state::session::Open;
 use firstbounce::app::views::Shown;
+use firstbounce::app::window::commands::CommandId;
 use tempfile::TempDir;
 
 use crate::harness::Hands;

@@ -8,10 +8,10 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{DroppedFile, Event, Key, Modifiers, Pos2, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, HarnessBuilder};
-use firstbounce::app::canvas::View;
-use firstbounce::app::dialogs::{Choose, Dialogs};
-use firstbounce::app::preferences::Folders;
-use firstbounce::app::session::{Open, Session};
+use firstbounce::app::base::dialogs::{Choose, Dialogs};
+use firstbounce::app::state::preferences::Folders;
+use firstbounce::app::state::session::{Open, Session};
+use firstbounce::app::views::canvas::View;
 use firstbounce::app::window::Window;
 use tempfile::TempDir;
 

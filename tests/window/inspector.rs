@@ -2,7 +2,7 @@
 
 use eframe::egui::Role;
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::results::{PlaneName, When};
+use firstbounce::app::state::results::{PlaneName, When};
 use firstbounce::app::views::Shown;
 
 use crate::harness::Hands;

@@ -3,8 +3,8 @@
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable;
 use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::{StageState, Step, When};
-use firstbounce::app::surface::LayerName;
+use firstbounce::app::state::results::{StageState, Step, When};
+use firstbounce::app::views::surface::LayerName;
 use firstbounce::app::views::{Shown, entries, picture};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Unattended, solve};

@@ -5,10 +5,10 @@
 use std::path::Path;
 
 use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::{ShotName, When};
-use firstbounce::app::session::Open;
-use firstbounce::app::surface::LayerName;
+use firstbounce::app::state::results::{ShotName, When};
+use firstbounce::app::state::session::Open;
 use firstbounce::app::views::Shown;
+use firstbounce::app::views::surface::LayerName;
 use firstbounce_capture::set::Subject;
 
 use crate::harness::Hands;

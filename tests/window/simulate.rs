@@ -2,7 +2,7 @@
 
 use eframe::egui::Role;
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::commands::CommandId;
+use firstbounce::app::window::commands::CommandId;
 
 use crate::harness::Hands;
 

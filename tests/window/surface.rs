@@ -6,8 +6,8 @@ use std::process::Command;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::surface::{Shade, SurfaceLook};
 use firstbounce::app::views::Shown;
+use firstbounce::app::views::surface::{Shade, SurfaceLook};
 use firstbounce::gpu::mesh::Lens;
 use firstbounce_capture::mesh_file::write_ply;
 use firstbounce_core::Mesh;
@@ -23,7 +23,8 @@ fn with_surface() -> Hands {
     hands.press(Modifiers::COMMAND, Key::Num4);
     push(&mut hands, "Show the surface in 3D");
     hands.wait_until("the surface in 3D", |session| {
-        session.surfaces.is_at_rest() && session.surfaces.layer(firstbounce::app::surface::LayerName::After).is_some()
+        session.surfaces.is_at_rest()
+            && session.surfaces.layer(firstbounce::app::views::surface::LayerName::After).is_some()
     });
     hands
 }
@@ -235,7 +236,7 @@ fn a_reference_is_loaded_aligned_and_measured_as_by_the_command() {
     hands.press(Modifiers::COMMAND, Key::Z);
     assert!(poses(&mut hands).is_none());
     assert!(hands.sees("Surface or alignment changed since: compare again."));
-    hands.open(firstbounce::app::session::Open::Set(folder));
+    hands.open(firstbounce::app::state::session::Open::Set(folder));
     assert!(poses(&mut hands).is_some());
 }
 
@@ -246,7 +247,7 @@ fn three_picked_pairs_align_a_scan_that_lies_elsewhere() {
     let far = Vector3::new(400.0, -30.0, 250.0);
     load(&mut hands, "far.ply", &mesh.moved(&Isometry3::new(far, Vector3::zeros())));
     hands.wait_until("the reference in 3D", |session| {
-        session.surfaces.layer(firstbounce::app::surface::LayerName::Reference).is_some()
+        session.surfaces.layer(firstbounce::app::views::surface::LayerName::Reference).is_some()
     });
     push(&mut hands, "Pick three pairs of points");
     assert!(hands.sees("Point 1 of 3: click a place on the surface"));

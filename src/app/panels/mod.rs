@@ -4,7 +4,6 @@ mod calibrate;
 mod captures;
 mod export;
 mod inspector;
-mod part;
 mod reference;
 mod separate;
 mod shape;
@@ -13,12 +12,10 @@ use std::path::PathBuf;
 
 use eframe::egui::Ui;
 
-use super::canvas::CanvasResponse;
-use super::results::{NO_PHOTOS, StageState, Step};
-use super::session::Session;
-use super::views::{Picture, Shown};
-
-pub(super) use part::part;
+use crate::app::state::results::{NO_PHOTOS, StageState, Step};
+use crate::app::state::session::Session;
+use crate::app::views::canvas::CanvasResponse;
+use crate::app::views::{Picture, Shown};
 
 /// The five steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

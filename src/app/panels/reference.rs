@@ -6,13 +6,13 @@ use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::Compared;
 use firstbounce_core::mesh::compare::{Comparison, Start};
 
-use super::part;
-use crate::app::bars::Bars;
-use crate::app::dialogs::Choose;
-use crate::app::document::{Document, ReferenceSource};
-use crate::app::path_field::PathField;
-use crate::app::reference::{How, Outcome};
-use crate::app::session::Session;
+use crate::app::base::dialogs::Choose;
+use crate::app::state::document::{Document, ReferenceSource};
+use crate::app::state::reference::{How, Outcome};
+use crate::app::state::session::Session;
+use crate::app::widgets::bars::Bars;
+use crate::app::widgets::part::part;
+use crate::app::widgets::path_field::PathField;
 use crate::app::window::advice;
 
 const HEIGHT: f32 = 130.0;
@@ -30,12 +30,12 @@ impl ReferencePanel {
         ui.separator();
         ui.label(RichText::new("Reference scan").strong());
         self.choose(ui, session, document);
-        part::part(ui, "reference state", |ui| state(ui, session));
+        part(ui, "reference state", |ui| state(ui, session));
         if session.reference.mesh().is_none() {
             return;
         }
-        part::part(ui, "align", |ui| align(ui, session, document));
-        part::part(ui, "numbers", |ui| numbers(ui, session, document));
+        part(ui, "align", |ui| align(ui, session, document));
+        part(ui, "numbers", |ui| numbers(ui, session, document));
     }
 
     fn choose(&mut self, ui: &mut Ui, session: &mut Session, document: &Document) {

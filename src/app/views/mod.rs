@@ -1,11 +1,13 @@
 //! The views in the centre: tiles that show any plane of the pipeline.
 
+pub mod canvas;
 mod look;
 mod pane;
 mod picker;
 mod picture;
 mod shown;
 mod statistics;
+pub mod surface;
 mod tiles;
 
 use std::collections::HashMap;
@@ -20,8 +22,8 @@ pub use picture::{Picture, layer, picture, unit_of};
 pub use shown::Shown;
 pub use tiles::ui;
 
-use super::canvas::{self, CanvasState};
-use super::surface::SurfaceLook;
+use crate::app::views::surface::SurfaceLook;
+use canvas::CanvasState;
 
 /// One view: what it shows and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -7,12 +7,12 @@ use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::picture::{Picture, outdated, picture};
 use super::{Arrange, Hover, Shown, View, picker};
-use crate::app::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
-use crate::app::number_field::up_to;
 use crate::app::panels::{Over, Panels};
-use crate::app::plate::{plate, plate_in};
-use crate::app::session::Session;
-use crate::app::surface;
+use crate::app::state::session::Session;
+use crate::app::views::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
+use crate::app::views::surface;
+use crate::app::widgets::number_field::up_to;
+use crate::app::widgets::plate::{plate, plate_in};
 use crate::app::window::advice_in_the_middle;
 use crate::gpu::{ColourMap, Display};
 

@@ -3,7 +3,7 @@
 use firstbounce_capture::set::Subject;
 use serde::{Deserialize, Serialize};
 
-use crate::app::results::{ShotName, When};
+use crate::app::state::results::{ShotName, When};
 
 /// A picture, by names that survive edits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

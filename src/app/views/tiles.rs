@@ -5,7 +5,7 @@ use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, Tree, UiRespons
 
 use super::{Arrange, View, pane};
 use crate::app::panels::Panels;
-use crate::app::session::Session;
+use crate::app::state::session::Session;
 
 /// All views, filling the space that is left.
 pub fn ui(ui: &mut Ui, session: &mut Session, panels: &mut Panels) {

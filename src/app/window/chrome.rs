@@ -3,12 +3,12 @@
 use eframe::egui::{Context, Id, Modal, Panel, Ui, ViewportCommand, Window};
 
 use super::frame_times::FrameTimes;
-use crate::app::commands::{HelpSheet, Palette};
-use crate::app::device::DeviceWatch;
-use crate::app::dialogs::Choose;
-use crate::app::path_field::PathField;
-use crate::app::session::{Open, Session};
-use crate::app::simulate::NewSet;
+use crate::app::base::dialogs::Choose;
+use crate::app::state::session::{Open, Session};
+use crate::app::widgets::path_field::PathField;
+use crate::app::window::commands::{HelpSheet, Palette};
+use crate::app::window::device::DeviceWatch;
+use crate::app::window::simulate::NewSet;
 
 /// What is open around the panels.
 pub struct Chrome {

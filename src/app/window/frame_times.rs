@@ -7,7 +7,7 @@ use std::time::Instant;
 use eframe::egui::{Align2, Context, Window, vec2};
 use firstbounce_capture::atomic::write_file;
 
-use crate::app::session::Session;
+use crate::app::state::session::Session;
 
 /// Frames that are remembered.
 const KEPT: usize = 20_000;

@@ -1,7 +1,11 @@
 //! The window: steps at the left, views in the centre, the inspector at the right, log and jobs below.
 
 mod chrome;
+pub mod commands;
+pub mod device;
 mod frame_times;
+pub mod simulate;
+mod start;
 mod steps;
 mod strip;
 
@@ -13,17 +17,17 @@ use eframe::egui::{
 };
 use eframe::{App, CreationContext};
 
-use super::commands::{self, CommandId, Target};
-use super::device::DeviceWatch;
-use super::dialogs::Dialogs;
-use super::panels::{Panel, Panels};
-use super::preferences::{Folders, Theme};
-use super::results::Next;
-use super::session::{Open, Session};
-use super::start::{StartScreen, opening};
-use super::theme;
-use super::views;
+use crate::app::base::dialogs::Dialogs;
+use crate::app::panels::{Panel, Panels};
+use crate::app::state::preferences::{Folders, Theme};
+use crate::app::state::results::Next;
+use crate::app::state::session::{Open, Session};
+use crate::app::views;
+use crate::app::widgets::theme;
 use crate::gpu;
+use commands::{CommandId, Target};
+use device::DeviceWatch;
+use start::{StartScreen, opening};
 
 pub use chrome::Chrome;
 use frame_times::Phase;
@@ -253,7 +257,7 @@ impl App for Window {
         self.chrome.device.begin_frame();
         if self.chrome.device.is_lost() {
             // Should the window not open again, the next run has it.
-            super::document::save_everything_now();
+            crate::app::state::document::save_everything_now();
             context.send_viewport_cmd(ViewportCommand::Close);
             return;
         }

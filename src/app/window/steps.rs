@@ -3,9 +3,9 @@
 use eframe::egui::{Color32, Panel, RichText, Ui};
 
 use crate::app::panels::PanelName;
-use crate::app::results::StageState;
-use crate::app::session::Session;
-use crate::app::theme;
+use crate::app::state::results::StageState;
+use crate::app::state::session::Session;
+use crate::app::widgets::theme;
 use crate::app::window::sentence;
 
 /// Shows the steps; a click opens one.

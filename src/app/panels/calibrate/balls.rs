@@ -7,12 +7,12 @@ use firstbounce_capture::set::{Circle, Sphere, SphereKind, Subject, Word};
 use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
 
 use super::{ball_title, balls_of};
-use crate::app::jobs::Task;
-use crate::app::number_field::fixed;
-use crate::app::panels::part::part;
-use crate::app::results::{Loaded, ShotName};
-use crate::app::session::Session;
+use crate::app::base::jobs::Task;
+use crate::app::state::results::{Loaded, ShotName};
+use crate::app::state::session::Session;
 use crate::app::views::Shown;
+use crate::app::widgets::number_field::fixed;
+use crate::app::widgets::part::part;
 use crate::app::window::advice;
 
 /// A click may miss the ball by as many radii.

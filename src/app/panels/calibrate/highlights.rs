@@ -7,8 +7,8 @@ use firstbounce_capture::pipeline::Calibrated;
 use firstbounce_core::calibrate::Highlight;
 
 use crate::app::panels::Over;
-use crate::app::results::ShotName;
-use crate::app::session::Session;
+use crate::app::state::results::ShotName;
+use crate::app::state::session::Session;
 
 const CHOSEN: Color32 = Color32::from_rgb(80, 220, 120);
 const OTHER: Color32 = Color32::from_rgb(240, 150, 60);

@@ -6,7 +6,7 @@ use firstbounce_capture::pipeline::{Calibrated, RatioEvidence};
 use firstbounce_capture::set::CaptureSet;
 
 use super::ball_title;
-use crate::app::bars::Bars;
+use crate::app::widgets::bars::Bars;
 use crate::app::window::advice;
 
 /// Which ratio is shown.

@@ -6,7 +6,7 @@ use firstbounce_capture::set::{Circle, SphereKind, Subject};
 use super::balls::{Look, circle_in_force, move_ball};
 use super::{Calibrate, ball_title};
 use crate::app::panels::Over;
-use crate::app::session::Session;
+use crate::app::state::session::Session;
 use crate::app::views::Shown;
 
 const HANDLE_SIDE: f32 = 14.0;

@@ -9,9 +9,9 @@ use firstbounce_capture::set::{Became, GuessOptions, Pattern, Subject, Word, add
 
 use super::in_order::InOrder;
 use super::table::subject_title;
-use crate::app::name_field::name_field;
-use crate::app::panels::part::part;
-use crate::app::session::Session;
+use crate::app::state::session::Session;
+use crate::app::widgets::name_field::name_field;
+use crate::app::widgets::part::part;
 
 /// Files that a person dropped, before they are the set's.
 pub struct Incoming {

@@ -4,8 +4,8 @@ use eframe::egui::{CollapsingHeader, DragValue, Grid, Ui};
 use firstbounce_capture::set::Subject;
 
 use super::number;
-use crate::app::document::Document;
-use crate::app::session::Session;
+use crate::app::state::document::Document;
+use crate::app::state::session::Session;
 use crate::app::views::{Hover, Shown, entries, picture, unit_of};
 use crate::app::window::advice;
 

@@ -4,8 +4,8 @@ use eframe::egui::{RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Legend, Line, Plot};
 
 use super::number;
-use crate::app::document::Document;
-use crate::app::session::Session;
+use crate::app::state::document::Document;
+use crate::app::state::session::Session;
 use crate::app::views::{Shown, picker, picture};
 use crate::app::window::advice;
 

@@ -11,7 +11,7 @@ use eframe::egui::{CollapsingHeader, Ui};
 use firstbounce_capture::set::Subject;
 
 use super::{Over, Panel};
-use crate::app::session::Session;
+use crate::app::state::session::Session;
 use crate::app::views::{Shown, picture};
 use crate::app::window::advice;
 

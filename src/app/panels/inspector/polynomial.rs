@@ -6,8 +6,8 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::separate::PixelPolynomial;
 
 use super::number;
-use crate::app::document::Document;
-use crate::app::session::Session;
+use crate::app::state::document::Document;
+use crate::app::state::session::Session;
 use crate::app::views::Hover;
 use crate::app::window::advice;
 

@@ -7,8 +7,8 @@ use firstbounce_core::Mask;
 use firstbounce_core::image::statistics::{Histogram, Region, RegionStatistics, Scale, statistics};
 
 use super::{histogram, number};
-use crate::app::jobs::Task;
-use crate::app::session::Session;
+use crate::app::base::jobs::Task;
+use crate::app::state::session::Session;
 use crate::app::views::{Picture, Shown};
 use crate::gpu::Source;
 

@@ -10,9 +10,9 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_core::trust::{Rig, Trust, TrustOptions, judge};
 
 use super::Panel;
-use super::part::part;
-use crate::app::document::Document;
-use crate::app::session::Session;
+use crate::app::state::document::Document;
+use crate::app::state::session::Session;
+use crate::app::widgets::part::part;
 use crate::app::window::advice;
 
 /// The panel. It keeps the last verdict, which costs a few milliseconds.
