@@ -2,4 +2,5 @@
 
 pub mod app;
 pub mod cli;
+pub mod demo;
 pub mod gpu;

@@ -24,8 +24,6 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::app::{self, Start};
 
-pub use demo::unpack as unpack_demo;
-
 /// Photometric stereo without the light between an object's own walls. Without a command the window opens.
 #[derive(Debug, Parser)]
 #[command(version, about)]

@@ -3,7 +3,7 @@
 use eframe::egui::accesskit::{Action, Role};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::panels::PanelName;
+use firstbounce::app::state::panel::PanelName;
 use firstbounce::app::state::preferences::Theme;
 use firstbounce::app::state::session::Open;
 use firstbounce::app::window::commands::{COMMANDS, Command, CommandId};

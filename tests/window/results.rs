@@ -1,7 +1,8 @@
 //! The window's numbers are the pipeline's.
 
+use firstbounce::app::state::layout::Shown;
 use firstbounce::app::state::results::{StageState, Step};
-use firstbounce::app::views::{Shown, picture};
+use firstbounce::app::views::picture;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{SolveOptions, Unattended, solve};
 

@@ -16,9 +16,9 @@ use crate::app::base::jobs::Task;
 use crate::app::state::document::Document;
 use crate::app::state::results::{StageState, Step};
 use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
 use crate::app::widgets::part::part;
 use crate::app::widgets::path_field::PathField;
-use crate::app::window::advice;
 
 /// The panel.
 #[derive(Default)]

@@ -1,9 +1,7 @@
-//! What the program tells in passing: lines in a log, and toasts that go by themselves.
+//! The log: lines that the program reports in passing, and toasts that go by themselves.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant, SystemTime};
-
-use eframe::egui::{Align2, Area, Context, Frame, Id, Label, Order, RichText, Role, WidgetInfo, vec2};
 
 /// Lines that are kept.
 const MOST_LINES: usize = 500;
@@ -29,7 +27,17 @@ pub struct Line {
     pub at: SystemTime,
     /// How much it matters.
     pub level: Level,
-    /// For a person.
+    /// For the user.
+    pub text: String,
+}
+
+/// A line that is shown for a while.
+#[derive(Clone, Debug)]
+pub struct Toast {
+    since: Instant,
+    /// How much it matters.
+    pub level: Level,
+    /// For the user.
     pub text: String,
 }
 
@@ -37,7 +45,7 @@ pub struct Line {
 #[derive(Default)]
 pub struct Log {
     lines: VecDeque<Line>,
-    toasts: Vec<(Instant, Level, String)>,
+    toasts: Vec<Toast>,
 }
 
 impl Log {
@@ -53,8 +61,8 @@ impl Log {
     pub fn toast(&mut self, level: Level, text: impl Into<String>) {
         let text = text.into();
         self.add(level, text.clone());
-        self.toasts.retain(|(_, _, shown)| *shown != text);
-        self.toasts.push((Instant::now(), level, text));
+        self.toasts.retain(|toast| toast.text != text);
+        self.toasts.push(Toast { since: Instant::now(), level, text });
         let superfluous = self.toasts.len().saturating_sub(MOST_TOASTS);
         self.toasts.drain(..superfluous);
     }
@@ -69,40 +77,15 @@ impl Log {
         self.toasts.clear();
     }
 
-    /// The toasts, over everything else.
-    pub fn show_toasts(&mut self, context: &Context) {
-        self.toasts.retain(|(since, ..)| since.elapsed() < TOAST_FOR);
-        let Some(next) = self.toasts.iter().map(|(since, ..)| TOAST_FOR.saturating_sub(since.elapsed())).min() else {
-            return;
-        };
-        context.request_repaint_after(next);
-        let area = Area::new(Id::unique("toasts")).order(Order::Foreground).interactable(true);
-        let mut dismissed = None;
-        area.anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -40.0)).show(context, |ui| {
-            for (index, (_, level, text)) in self.toasts.iter().enumerate() {
-                Frame::popup(ui.style()).show(ui, |ui| {
-                    ui.set_max_width(420.0);
-                    ui.horizontal(|ui| {
-                        let shown = ui.add(Label::new(coloured(ui.visuals(), *level, text)).wrap());
-                        shown.widget_info(|| WidgetInfo::labeled(Role::Alert, true, text));
-                        if ui.small_button("Dismiss").clicked() {
-                            dismissed = Some(index);
-                        }
-                    });
-                });
-            }
-        });
-        if let Some(index) = dismissed {
-            self.toasts.remove(index);
-        }
+    /// The toasts on screen, the oldest first, and when the next of them goes.
+    pub fn toasts(&mut self) -> (&[Toast], Option<Duration>) {
+        self.toasts.retain(|toast| toast.since.elapsed() < TOAST_FOR);
+        let next = self.toasts.iter().map(|toast| TOAST_FOR.saturating_sub(toast.since.elapsed())).min();
+        (&self.toasts, next)
     }
-}
 
-/// A line in the colour of its level; the words say it too.
-pub fn coloured(visuals: &eframe::egui::Visuals, level: Level, text: &str) -> RichText {
-    match level {
-        Level::Done => RichText::new(text),
-        Level::Warning => RichText::new(format!("Warning: {text}")).color(visuals.warn_fg_color),
-        Level::Error => RichText::new(format!("Error: {text}")).color(visuals.error_fg_color),
+    /// Takes one toast away.
+    pub fn dismiss_one(&mut self, index: usize) {
+        self.toasts.remove(index);
     }
 }

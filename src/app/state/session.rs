@@ -1,21 +1,24 @@
-//! Everything that panels, views and commands may reach: the document, its results, and what goes on around them.
+//! The session: everything that panels, views and commands may reach.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use firstbounce_capture::set::{Location, Problem};
+use firstbounce_capture::atomic::WriteError;
+use firstbounce_capture::set::{Location, Problem, SetError};
+use thiserror::Error;
 
+use super::document::{Document, Editor, Recovered, read_view, save_everything_now, write_view};
+use super::file::SetFile;
+use super::layout::{Shown, Views};
+use super::log::{Level, Log};
+use super::panel::PanelName;
+use super::preferences::{Folders, Preferences};
+use super::reference::Reference;
+use super::results::{Next, Results};
+use super::surfaces::Surfaces;
 use crate::app::base::dialogs::Dialogs;
 use crate::app::base::jobs::{Jobs, Wake};
-use crate::app::panels::PanelName;
-use crate::app::state::document::{DiskWatch, Document, Editor, Recovered, Recovery};
-use crate::app::state::log::{Level, Log};
-use crate::app::state::preferences::{Folders, Preferences};
-use crate::app::state::reference::Reference;
-use crate::app::state::results::{Next, Results};
-use crate::app::views::surface::Surfaces;
-use crate::app::views::{Shown, Views};
-use crate::app::window::commands::CommandId;
+use crate::demo;
 
 /// Where a set comes from that is to be opened.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +31,16 @@ pub enum Open {
     New(PathBuf),
     /// An unsaved document of an earlier run, and the folder that keeps it.
     Recovered(PathBuf, Box<Recovered>),
+}
+
+/// Why a set was not opened.
+#[derive(Debug, Error)]
+enum OpenError {
+    #[error(transparent)]
+    Set(#[from] SetError),
+    /// The demo could not be written.
+    #[error(transparent)]
+    Demo(#[from] WriteError),
 }
 
 /// An open set and everything around it.
@@ -49,17 +62,14 @@ pub struct Session {
     /// The step whose panel is open.
     pub panel: PanelName,
     pub(in crate::app) editor: Editor,
-    pub(in crate::app) recovery: Recovery,
-    pub(in crate::app) folders: Folders,
+    pub(in crate::app) file: SetFile,
+    system: System,
+}
+
+/// What the system provides: folders of this program's own, and file dialogs.
+struct System {
+    folders: Folders,
     dialogs: Arc<dyn Dialogs>,
-    disk: Option<DiskWatch>,
-    is_open: bool,
-    /// Counts the sets that were opened: panels begin anew with each.
-    pub(in crate::app) opened: u64,
-    requests: Vec<CommandId>,
-    /// The document that recovery knows.
-    noted: Arc<Document>,
-    pub(in crate::app) changed_on_disk: bool,
 }
 
 impl Session {
@@ -75,21 +85,14 @@ impl Session {
             preferences: Preferences::read(&folders.preferences),
             panel: PanelName::Captures,
             editor: Editor::default(),
-            recovery: Recovery::new(folders.recovery.clone()),
-            folders,
-            dialogs,
-            disk: None,
-            is_open: false,
-            opened: 0,
-            requests: Vec::new(),
-            noted: Arc::default(),
-            changed_on_disk: false,
+            file: SetFile::new(&folders),
+            system: System { folders, dialogs },
         }
     }
 
     /// Whether a set is open; without one the window shows where to begin.
     pub fn is_open(&self) -> bool {
-        self.is_open
+        self.file.is_open()
     }
 
     /// The document as it is now; cheap to keep for a frame.
@@ -121,7 +124,7 @@ impl Session {
 
     /// The system's file dialogs; they wait for a person, so ask in a job, or use a `PathField`.
     pub fn dialogs(&self) -> Arc<dyn Dialogs> {
-        self.dialogs.clone()
+        self.system.dialogs.clone()
     }
 
     /// Tells that something was done, and shows it for a while.
@@ -139,57 +142,49 @@ impl Session {
         self.log.toast(Level::Error, text);
     }
 
-    /// Runs a command after this frame's panels.
-    pub fn request(&mut self, command: CommandId) {
-        self.requests.push(command);
-    }
-
-    pub(in crate::app) fn take_requests(&mut self) -> Vec<CommandId> {
-        std::mem::take(&mut self.requests)
+    /// The program's own folders.
+    pub fn folders(&self) -> &Folders {
+        &self.system.folders
     }
 
     /// Opens a set in place of the one that is open, whose unsaved edits are lost: ask first, by `Chrome::open_set`.
     pub fn open(&mut self, open: Open) {
         let opened = match &open {
-            Open::Set(path) => Editor::open(path).map_err(|error| error.to_string()),
+            Open::Set(path) => Editor::open(path).map_err(OpenError::from),
             Open::Demo => self.open_demo(),
             Open::New(folder) => Ok(Editor::untitled(folder)),
             Open::Recovered(_, kept) => Ok(Editor::recovered(&kept.text, kept.path.clone(), kept.settings.clone())),
         };
         match opened {
             Ok(editor) => self.take(editor),
-            Err(line) => return self.error(line),
+            Err(error) => return self.error(error.to_string()),
         }
         if let Open::Recovered(folder, _) = &open {
             // Only what this run keeps may be forgotten there.
-            crate::app::state::document::save_everything_now();
-            self.recovery.discard(folder);
+            save_everything_now();
+            self.file.recovery.discard(folder);
         }
     }
 
-    fn open_demo(&self) -> Result<Editor, String> {
-        let folder = &self.folders.demo;
+    fn open_demo(&self) -> Result<Editor, OpenError> {
+        let folder = &self.system.folders.demo;
         if !folder.join("capture.toml").is_file() {
-            crate::cli::unpack_demo(folder).map_err(|error| format!("{error:#}"))?;
+            demo::unpack(folder)?;
         }
-        Editor::open(folder).map_err(|error| error.to_string())
+        Ok(Editor::open(folder)?)
     }
 
     fn take(&mut self, editor: Editor) {
         self.close();
         self.editor = editor;
-        self.noted = self.document();
-        self.recovery.note(self.editor.is_dirty().then(|| self.noted.clone()));
-        self.is_open = true;
-        self.opened += 1;
+        self.file.opened(&self.editor, self.jobs.wake());
         let document = self.document();
         let folder = &document.set.folder;
         self.preferences.opened(folder);
         self.remember();
-        self.views = crate::app::state::document::read_view(folder, "layout")
+        self.views = read_view(folder, "layout")
             .and_then(Views::from_json)
             .unwrap_or_else(|| Views::showing(first_view(&document)));
-        self.disk = Some(DiskWatch::new(self.editor.path().to_owned(), self.jobs.wake()));
         self.panel = PanelName::Captures;
         // A set that has just begun lacks everything, which nobody needs to be told.
         let problems = if self.editor.path().is_file() { self.editor.problems().len() } else { 0 };
@@ -213,11 +208,7 @@ impl Session {
         self.keep_layout();
         self.results.clear();
         self.editor = Editor::default();
-        self.noted = self.editor.document();
-        self.recovery.note(None);
-        self.disk = None;
-        self.is_open = false;
-        self.changed_on_disk = false;
+        self.file.closed(&self.editor);
         self.views = Views::default();
         self.surfaces = Surfaces::default();
         self.reference = Reference::default();
@@ -226,14 +217,14 @@ impl Session {
     /// Keeps the arrangement of views beside the set. A folder that cannot be written keeps none: nothing is lost.
     pub(in crate::app) fn keep_layout(&self) {
         let folder = &self.document().set.folder;
-        if self.is_open && self.editor.path().is_file() {
-            let _ = crate::app::state::document::write_view(folder, "layout", self.views.to_json());
+        if self.is_open() && self.editor.path().is_file() {
+            let _ = write_view(folder, "layout", self.views.to_json());
         }
     }
 
     /// Writes the preferences; a system that keeps none is told once in the log.
     pub fn remember(&mut self) {
-        if let Err(error) = self.preferences.write(&self.folders.preferences.clone()) {
+        if let Err(error) = self.preferences.write(&self.system.folders.preferences) {
             self.log.add(Level::Warning, format!("preferences are not kept: {error:#}"));
         }
     }
@@ -242,43 +233,33 @@ impl Session {
     pub fn save(&mut self) {
         match self.editor.save() {
             Ok(()) => {
-                self.saved_all();
+                self.file.saved(&self.editor);
                 self.keep_layout();
-                self.changed_on_disk = false;
                 self.done(format!("Saved {}", self.editor.path().display()));
             }
             Err(error) => self.error(error.to_string()),
         }
-    }
-
-    /// Nothing is left to recover.
-    fn saved_all(&mut self) {
-        self.noted = self.document();
-        self.recovery.note(None);
-        self.recovery.keep();
     }
 
     /// Saves the document into another folder, whose set it is from now on.
     pub fn save_as(&mut self, folder: &Path) {
         match self.editor.save_as(folder) {
             Ok(()) => {
-                self.disk = Some(DiskWatch::new(self.editor.path().to_owned(), self.jobs.wake()));
-                self.saved_all();
+                self.file.saved_elsewhere(&self.editor, self.jobs.wake());
                 self.preferences.opened(folder);
                 self.remember();
                 self.keep_layout();
-                self.changed_on_disk = false;
                 self.done(format!("Saved {}", self.editor.path().display()));
             }
             Err(error) => self.error(error.to_string()),
         }
     }
 
-    /// Reads capture.toml anew; undo brings back what was there before.
+    /// Reads capture.toml again; undo brings back what was there before.
     pub fn reload_from_disk(&mut self) {
         match self.editor.reload() {
             Ok(()) => {
-                self.changed_on_disk = false;
+                self.file.changed_on_disk = false;
                 self.done("Reloaded capture.toml");
             }
             Err(error) => self.error(error.to_string()),
@@ -288,24 +269,24 @@ impl Session {
     /// What another program wrote is replaced at the next save.
     pub fn keep_mine(&mut self) {
         self.editor.ignore_change_on_disk();
-        self.changed_on_disk = false;
+        self.file.changed_on_disk = false;
+    }
+
+    /// Makes ready what 3D views show. Once a frame for as long as one is on the screen.
+    pub fn update_surfaces(&mut self) {
+        let by_nayar = self.results.by_nayar().filter(|_| self.document().settings.nayar.compute);
+        let reference = self.reference.mesh();
+        self.surfaces.update(self.results.meshes(), by_nayar, reference, &mut self.jobs);
     }
 
     /// Once a frame: takes finished work, starts what is stale, notices what happened on the disk.
     pub(in crate::app) fn update(&mut self) -> Next {
-        if !self.is_open {
+        if !self.is_open() {
             return Next::Rest;
         }
-        if self.disk.as_ref().is_some_and(DiskWatch::take_written) {
-            self.changed_on_disk = self.editor.changed_on_disk();
-        }
         self.update_reference();
+        self.file.update(&self.editor);
         let document = self.document();
-        if !Arc::ptr_eq(&self.noted, &document) {
-            self.noted = document.clone();
-            self.recovery.note(self.editor.is_dirty().then(|| document.clone()));
-            self.recovery.keep();
-        }
         let log = &mut self.log;
         self.results.update(&document, &mut self.jobs, &mut |level, line| log.add(level, line))
     }

@@ -2,8 +2,8 @@
 
 use eframe::egui::Ui;
 
-use super::Shown;
 use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
 use crate::app::state::results::{ShotName, When};
 
 /// The menu's entries, by group: what this set has, whether or not it is computed yet.

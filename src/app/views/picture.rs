@@ -5,8 +5,8 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::image::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
-use super::Shown;
 use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
 use crate::app::state::results::{MarksName, PlaneName, Results, ShotName, StageState, Step, Stored, When};
 use crate::gpu::{ColourMap, Display, Layer, Source, Tint};
 

@@ -100,7 +100,7 @@ impl Chrome {
 
     /// What happened to the file of the set.
     pub fn notices(&mut self, ui: &mut Ui, session: &mut Session) {
-        if !session.changed_on_disk {
+        if !session.file.changed_on_disk {
             return;
         }
         Panel::top("changed on disk").show(ui, |ui| {

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Label, Panel, ProgressBar, Role, ScrollArea, TextWrapMode, Ui, WidgetInfo};
 
-use crate::app::state::log::coloured;
+use super::toasts::coloured;
 use crate::app::state::session::Session;
 
 const LOG_HEIGHT: f32 = 140.0;

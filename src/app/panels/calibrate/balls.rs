@@ -8,12 +8,12 @@ use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, fin
 
 use super::{ball_title, balls_of};
 use crate::app::base::jobs::Task;
+use crate::app::state::layout::Shown;
 use crate::app::state::results::{Loaded, ShotName};
 use crate::app::state::session::Session;
-use crate::app::views::Shown;
+use crate::app::widgets::advice::advice;
 use crate::app::widgets::number_field::fixed;
 use crate::app::widgets::part::part;
-use crate::app::window::advice;
 
 /// A click may miss the ball by as many radii.
 const NEAR_RADII: f64 = 2.0;

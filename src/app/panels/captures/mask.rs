@@ -12,10 +12,10 @@ use firstbounce_core::Mask;
 use firstbounce_core::image::mask::Combine;
 
 use crate::app::base::dialogs::Choose;
-use crate::app::panels::Over;
+use crate::app::state::layout::Shown;
 use crate::app::state::results::ShotName;
 use crate::app::state::session::Session;
-use crate::app::views::Shown;
+use crate::app::views::Over;
 use crate::app::widgets::path_field::PathField;
 
 /// The longest side of the tint that shows the draft; larger masks are shown coarser.

@@ -4,9 +4,9 @@ use eframe::egui::{ComboBox, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::set::{Encoding, Shot};
 
 use super::incoming::{name_box, subject_box};
+use crate::app::state::layout::Shown;
 use crate::app::state::results::ShotName;
 use crate::app::state::session::Session;
-use crate::app::views::Shown;
 use crate::app::widgets::number_field::up_to;
 
 /// Everything about one shot that a person may change.

@@ -11,9 +11,9 @@ use firstbounce_capture::set::{CaptureSet, Encoding, Shot, ShotCell, ShotTable, 
 
 use super::shot;
 use crate::app::base::jobs::{Job, Task};
+use crate::app::state::layout::Shown;
 use crate::app::state::results::{Loaded, ShotName};
 use crate::app::state::session::Session;
-use crate::app::views::Shown;
 use crate::app::widgets::part::part;
 
 const THUMBNAIL_PX: usize = 96;

@@ -5,9 +5,10 @@ use egui_plot::{Legend, Line, Plot};
 
 use super::number;
 use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
 use crate::app::state::session::Session;
-use crate::app::views::{Shown, picker, picture};
-use crate::app::window::advice;
+use crate::app::views::{picker, picture};
+use crate::app::widgets::advice::advice;
 
 const HEIGHT: f32 = 180.0;
 

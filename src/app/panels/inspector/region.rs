@@ -8,8 +8,9 @@ use firstbounce_core::image::statistics::{Histogram, Region, RegionStatistics, S
 
 use super::{histogram, number};
 use crate::app::base::jobs::Task;
+use crate::app::state::layout::Shown;
 use crate::app::state::session::Session;
-use crate::app::views::{Picture, Shown};
+use crate::app::views::Picture;
 use crate::gpu::Source;
 
 const BINS: usize = 128;

@@ -5,7 +5,7 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::image::statistics::Region;
 
 use super::OnSubject;
-use crate::app::panels::Over;
+use crate::app::views::Over;
 use crate::app::views::canvas::Transform;
 use crate::app::widgets::number_field::up_to;
 

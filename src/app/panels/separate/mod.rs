@@ -12,8 +12,8 @@ use firstbounce_core::trust::{Rig, Trust, TrustOptions, judge};
 use super::Panel;
 use crate::app::state::document::Document;
 use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
 use crate::app::widgets::part::part;
-use crate::app::window::advice;
 
 /// The panel. It keeps the last verdict, which costs a few milliseconds.
 #[derive(Default)]

@@ -5,10 +5,10 @@ use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use firstbounce_capture::pipeline::NayarErrors;
 
 use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
 use crate::app::state::results::{ByNayar, StageState, Step, When};
 use crate::app::state::session::Session;
-use crate::app::views::Shown;
-use crate::app::window::advice;
+use crate::app::widgets::advice::advice;
 
 const HEIGHT: f32 = 170.0;
 

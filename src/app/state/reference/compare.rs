@@ -8,11 +8,11 @@ use firstbounce_core::{Mesh, Portion, Watch};
 use nalgebra::Isometry3;
 
 use super::{Basis, News, Reference};
+use crate::app::base::bars::Bars;
 use crate::app::base::jobs::{Job, Jobs};
 use crate::app::state::document::{Pose, Poses};
 use crate::app::state::results::Meshes;
-use crate::app::views::surface::LayerName;
-use crate::app::widgets::bars::Bars;
+use crate::app::state::surfaces::LayerName;
 
 /// How the surfaces come to the reference.
 #[derive(Clone, Debug, PartialEq)]

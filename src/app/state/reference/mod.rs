@@ -1,8 +1,8 @@
 //! The reference of the open set: reading it, laying the surfaces onto it, their distances.
 
 mod compare;
+mod of_session;
 mod pairs;
-mod session;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use firstbounce_core::Mesh;
 use crate::app::base::jobs::{Job, Jobs, Task};
 use crate::app::state::document::{Document, Poses, ReferenceSource};
 use crate::app::state::results::Meshes;
-use crate::app::views::surface::{LayerName, Prepared, thousands};
+use crate::app::state::surfaces::{LayerName, Prepared, thousands};
 use crate::gpu::mesh::Shared;
 
 pub use compare::{How, Outcome};

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::app::views::surface::LayerName;
+use crate::app::state::surfaces::LayerName;
 
 /// Three pairs fix a position.
 pub const FEWEST_PAIRS: usize = 3;

@@ -4,13 +4,13 @@ use eframe::egui::{Align2, Key, Rect, Response, Role, Sense, Stroke, StrokeKind,
 use eframe::egui_wgpu::Callback;
 use nalgebra::Isometry3;
 
-use super::look::{LayerName, SurfaceLook};
 use super::navigation::{KEYS, Moved, in_view, navigate};
 use super::overlay::{self, ScaleBar};
 use super::profile::Seen;
 use super::scene::{self, Heat};
 use super::tool::{Picked, Tool, ViewState, point_words};
 use crate::app::state::session::Session;
+use crate::app::state::surfaces::{LayerName, SurfaceLook};
 use crate::app::views::canvas::legend;
 use crate::gpu::mesh::{Bounds, Frame, MeshCallback, PlaneDrawing, Scene, Shading};
 

@@ -3,11 +3,15 @@
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{Button, Checkbox, DragValue, PopupCloseBehavior, Ui};
 
-use super::look::{LayerColours, LayerName, Shade, SurfaceLook};
-use super::tool::Tool;
+use super::canvas::{bounds, seen};
+use super::tool::{Tool, ViewState};
 use crate::app::state::document::Document;
 use crate::app::state::session::Session;
+use crate::app::state::surfaces::{LayerColours, LayerName, Shade, SurfaceLook};
 use crate::gpu::mesh::{Lens, StandardView};
+
+/// Width over height of a view that was never drawn.
+const USUAL_ASPECT: f64 = 1.5;
 
 /// A menu that stays open while several things are changed in it.
 fn lasting_menu(ui: &mut Ui, title: impl Into<String>, contents: impl FnOnce(&mut Ui)) {
@@ -16,7 +20,7 @@ fn lasting_menu(ui: &mut Ui, title: impl Into<String>, contents: impl FnOnce(&mu
 }
 
 /// Shading, layers and tools.
-pub fn toolbar(ui: &mut Ui, id: u64, look: &mut SurfaceLook, document: &Document, session: &mut Session) {
+pub fn toolbar(ui: &mut Ui, look: &mut SurfaceLook, state: &mut ViewState, document: &Document, session: &Session) {
     let title = match look.shade {
         Shade::Lamp => match super::scene::lamp(look, document, &session.results) {
             Some((name, _)) => format!("Shading: lit by {name}"),
@@ -26,7 +30,6 @@ pub fn toolbar(ui: &mut Ui, id: u64, look: &mut SurfaceLook, document: &Document
     };
     lasting_menu(ui, title, |ui| shading(ui, look, document));
     lasting_menu(ui, "Layers", |ui| layers(ui, look, session));
-    let state = session.surfaces.view(id);
     for (tool, name, hover) in [
         (Tool::Point, "Point", "A click tells where a point is"),
         (Tool::Distance, "Distance", "Two clicks tell how far apart two points are"),
@@ -106,10 +109,10 @@ fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
 }
 
 /// Where the eye is, for the view's own menu.
-pub fn eye_menu(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) {
+pub fn eye_menu(ui: &mut Ui, look: &mut SurfaceLook, state: &ViewState, session: &Session) {
     for view in StandardView::ALL {
         if ui.button(format!("{} view", view.name())).clicked() {
-            session.stand(id, look, view);
+            stand(look, state, view, session);
             ui.close();
         }
     }
@@ -121,4 +124,11 @@ pub fn eye_menu(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Sess
     ui.radio_value(&mut look.lens, Lens::Perspective, "Perspective");
     ui.radio_value(&mut look.lens, Lens::Orthographic, "Orthographic");
     ui.checkbox(&mut look.turntable, "Turntable");
+}
+
+/// Takes the eye of a view to a named side.
+pub fn stand(look: &mut SurfaceLook, state: &ViewState, from: StandardView, session: &Session) {
+    if let Some(bounds) = bounds(&seen(look, session, false)) {
+        look.stand(from, &bounds, if state.aspect > 0.0 { state.aspect } else { USUAL_ASPECT });
+    }
 }

@@ -4,13 +4,13 @@ use eframe::egui::{RichText, Ui};
 use nalgebra::Point3;
 
 use super::canvas;
-use super::look::{LayerName, Shade, SurfaceLook};
-use super::tool::{Picked, Tool};
+use super::tool::{Picked, Tool, ViewState};
 use crate::app::state::session::Session;
+use crate::app::state::surfaces::{LayerName, Shade, SurfaceLook};
 use crate::gpu::mesh::Shading;
 
 /// The view in the place of the usual one; whether it was touched.
-pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -> bool {
+pub fn ui(ui: &mut Ui, look: &mut SurfaceLook, state: &mut ViewState, session: &mut Session) -> bool {
     let Some(pairs) = session.reference.pairs.clone() else { return false };
     let layer = pairs.next();
     ui.horizontal_wrapped(|ui| {
@@ -27,7 +27,6 @@ pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -
             session.reference.pairs = None;
         }
     });
-    let mut state = std::mem::take(session.surfaces.view(id));
     // The two may lie far apart: each has an eye of its own.
     let mut own = SurfaceLook { shade: Shade::Matcap, turntable: false, ..look.clone() };
     for name in LayerName::ALL {
@@ -41,13 +40,12 @@ pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -
     state.tool = Tool::Point;
     state.picked = points.into_iter().map(|point| Picked { layer, point }).collect();
     let size = ui.available_size();
-    let shown = canvas::show(ui, size, &mut own, &mut state, session, (Shading::Matcap, None));
+    let shown = canvas::show(ui, size, &mut own, state, session, (Shading::Matcap, None));
     (state.tool, state.picked) = kept;
     match layer {
         LayerName::Reference => state.reference_camera = own.camera,
         _ => look.camera = own.camera,
     }
-    *session.surfaces.view(id) = state;
     let Some(shown) = shown else {
         ui.label("This surface is not there yet.");
         return false;

@@ -3,22 +3,24 @@
 use eframe::egui::{Ui, vec2};
 
 use super::canvas::{self, bounds, seen};
-use super::look::{LayerName, SurfaceLook};
 use super::pairs;
 use super::profile;
-use super::scene::{ink, light};
+use super::scene::{Heat, ink, light};
 use super::tool::{Tool, ViewState, point_words};
 use crate::app::state::document::Document;
 use crate::app::state::results::{StageState, Step};
 use crate::app::state::session::Session;
-use crate::app::window::advice_in_the_middle;
+use crate::app::state::surfaces::{LayerName, SurfaceLook};
+use crate::app::views::Canvases;
+use crate::app::widgets::advice::advice_in_the_middle;
 
 /// Fills the space that is left; whether it was touched.
-pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -> bool {
+pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session, canvases: &mut Canvases) -> bool {
+    let state = canvases.surface(id);
     let document = session.document();
     session.update_surfaces();
     if session.reference.pairs.is_some() {
-        return pairs::ui(ui, id, look, session);
+        return pairs::ui(ui, look, state, session);
     }
     let visible = seen(look, session, false);
     let Some(around) = bounds(&visible) else {
@@ -26,8 +28,7 @@ pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -
         advice_in_the_middle(ui, &line);
         return false;
     };
-    let mut state = std::mem::take(session.surfaces.view(id));
-    let heat = session.heat(look, &visible);
+    let heat = Heat::of(session, look, &visible);
     let light = light(look, &document, &session.results, heat.as_ref(), &visible);
     let unit = visible.first().map_or("mm", |seen| seen.prepared.unit());
     for seen in &visible {
@@ -38,16 +39,16 @@ pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -
     if let Some(line) = &light.missing {
         ui.colored_label(ui.visuals().warn_fg_color, line);
     }
-    picked(ui, &mut state, unit);
+    picked(ui, state, unit);
     if state.tool == Tool::Section {
-        ui.horizontal_wrapped(|ui| profile::controls(ui, &mut state, &around, unit));
-        profile::slide(ui, &mut state, &around);
+        ui.horizontal_wrapped(|ui| profile::controls(ui, state, &around, unit));
+        profile::slide(ui, state, &around);
     }
     let plane = state.plane(&around.centre());
     let space = ui.available_size();
     let below = if plane.is_some() { profile::HEIGHT.min(space.y / 2.0) } else { 0.0 };
     let size = vec2(space.x, space.y - below);
-    let shown = canvas::show(ui, size, look, &mut state, session, (light.shading, heat.as_ref()));
+    let shown = canvas::show(ui, size, look, state, session, (light.shading, heat.as_ref()));
     let mut touched = false;
     if let Some(shown) = &shown {
         let response = &shown.response;
@@ -57,9 +58,8 @@ pub fn ui(ui: &mut Ui, id: u64, look: &mut SurfaceLook, session: &mut Session) -
         }
     }
     if let Some(plane) = plane {
-        profile::plot(ui, &mut state, &plane, visible, unit, &|name| ink(look, name));
+        profile::plot(ui, state, &plane, visible, unit, &|name| ink(look, name));
     }
-    *session.surfaces.view(id) = state;
     touched
 }
 

@@ -7,9 +7,9 @@ use egui_plot::{Legend, Line, Plot};
 use firstbounce_core::mesh::section;
 use nalgebra::{Isometry3, UnitVector3};
 
-use super::look::LayerName;
-use super::prepared::Prepared;
 use super::tool::{Cut, SectionPlane, ViewState};
+use crate::app::state::surfaces::LayerName;
+use crate::app::state::surfaces::Prepared;
 use crate::gpu::mesh::Bounds;
 
 /// Points of the screen that the plot takes.

@@ -2,10 +2,11 @@
 
 use eframe::egui::{Color32, Visuals};
 
-use super::look::{LayerColours, LayerName, Shade, SurfaceLook};
 use super::profile::Seen;
 use crate::app::state::document::Document;
 use crate::app::state::results::Results;
+use crate::app::state::session::Session;
+use crate::app::state::surfaces::{LayerColours, LayerName, Shade, SurfaceLook};
 use crate::gpu::mesh::{LayerDrawing, Shading, Shared};
 
 /// Edges that are this long on the screen are drawn in full.
@@ -17,6 +18,25 @@ pub struct Heat {
     pub values: Vec<(LayerName, Shared<Vec<f32>>)>,
     /// The distance at the ends of the colours.
     pub largest_mm: f32,
+}
+
+impl Heat {
+    /// Distances to the reference of both surfaces; the colours end where 95 % of those that are seen do. `None` without a
+    /// comparison of what there is.
+    pub fn of(session: &mut Session, look: &SurfaceLook, seen: &[Seen]) -> Option<Self> {
+        let mut p95_mm = 0.0_f64;
+        let mut values = Vec::new();
+        for name in [LayerName::After, LayerName::Before] {
+            let Some(prepared) = session.surfaces.layer(name) else { continue };
+            let Some((of_layer, own_mm)) = session.reference.heat(name, prepared) else { continue };
+            if seen.iter().any(|seen| seen.name == name) {
+                p95_mm = p95_mm.max(own_mm);
+            }
+            values.push((name, of_layer));
+        }
+        let largest_mm = look.distance_mm.unwrap_or(p95_mm as f32).max(f32::MIN_POSITIVE);
+        (!values.is_empty()).then_some(Self { values, largest_mm })
+    }
 }
 
 /// What the shading of a view needs from the rest of the program.

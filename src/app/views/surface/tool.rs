@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::{Point3, UnitVector3, Vector3};
 
-use super::look::LayerName;
 use super::profile::Profile;
+use crate::app::state::surfaces::LayerName;
 use crate::gpu::mesh::{Camera, Kept};
 
 /// What a click does.
@@ -99,7 +99,7 @@ pub struct ViewState {
     pub(super) profile: Option<Profile>,
     /// The eye before the reference alone, while pairs are picked.
     pub(super) reference_camera: Option<Camera>,
-    pub(super) kept: Arc<Kept>,
+    pub(in crate::app::views) kept: Arc<Kept>,
     /// Width over height when it was drawn last.
     pub(super) aspect: f64,
 }

@@ -6,11 +6,12 @@ mod palette;
 
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
 
-use crate::app::panels::{PanelName, Panels};
+use crate::app::state::layout::{Arrange, Shown};
+use crate::app::state::panel::PanelName;
 use crate::app::state::preferences::Theme;
 use crate::app::state::session::{Open, Session};
-use crate::app::views::surface::SurfaceLook;
-use crate::app::views::{Arrange, Shown};
+use crate::app::state::surfaces::SurfaceLook;
+use crate::app::views::{self, Canvases};
 use crate::app::window::Chrome;
 use crate::gpu::mesh::StandardView;
 
@@ -22,8 +23,8 @@ pub use palette::Palette;
 pub struct Target<'a> {
     /// The open set and everything around it.
     pub session: &'a mut Session,
-    /// The panels.
-    pub panels: &'a mut Panels,
+    /// What the views keep from frame to frame.
+    pub canvases: &'a mut Canvases,
     /// What the window shows over and around them.
     pub chrome: &'a mut Chrome,
     /// egui.
@@ -258,10 +259,11 @@ pub static COMMANDS: &[Command] = &[
     }),
     plain(CommandId::NextView, Menu::View, "Next view", alone(Key::F6), open, |t| t.session.views.activate_next()),
     plain(CommandId::FitViews, Menu::View, "Fit pictures to their views", ctrl(Key::Num0), open, |t| {
-        t.session.views.fit()
+        t.session.views.fit_surfaces();
+        t.canvases.fit();
     }),
     plain(CommandId::ViewsOneToOne, Menu::View, "Show pictures one to one", alt(Key::Num0), open, |t| {
-        t.session.views.one_to_one();
+        t.canvases.one_to_one();
     }),
     plain(CommandId::ShowSurface, Menu::View, "Surface in 3D", alone(Key::F7), open, |t| {
         t.session.views.open(Shown::Surface)
@@ -346,7 +348,7 @@ fn stand(target: Target<'_>, from: StandardView) {
     let Some((id, mut look)) = target.session.views.active().map(|view| (view.id, view.surface.clone())) else {
         return;
     };
-    target.session.stand(id, &mut look, from);
+    views::surface::stand(&mut look, target.canvases.surface(id), from, target.session);
     surface(target, |own| *own = look);
 }
 

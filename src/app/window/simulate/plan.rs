@@ -8,8 +8,8 @@ use firstbounce_lab::{Plan, PlanPoint};
 use super::live::Live;
 use super::values::Values;
 use crate::app::base::jobs::Job;
+use crate::app::widgets::advice::advice;
 use crate::app::widgets::theme;
-use crate::app::window::advice;
 
 const HEIGHT: f32 = 170.0;
 

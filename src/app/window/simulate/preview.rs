@@ -9,7 +9,7 @@ use firstbounce_lab::simulate::{PreparedScene, SimulateOptions, Simulated, prepa
 
 use super::live::Live;
 use crate::app::base::jobs::Job;
-use crate::app::window::advice;
+use crate::app::widgets::advice::advice;
 
 /// Side of the preview's pictures.
 const PIXELS: usize = 72;

@@ -1,15 +1,17 @@
-//! The surfaces of the open set, made ready for every 3D view.
+//! The surfaces of the open set, made ready for every 3D view, and how a view shows them.
 
-use std::collections::HashMap;
+mod look;
+mod prepared;
+
 use std::sync::Arc;
 
 use firstbounce_core::Mesh;
 
-use super::look::LayerName;
-use super::prepared::{Prepared, Source};
-use super::tool::ViewState;
 use crate::app::base::jobs::{Jobs, Task};
 use crate::app::state::results::{ByNayar, Meshes};
+
+pub use look::{LayerColours, LayerLook, LayerName, Shade, SurfaceLook};
+pub use prepared::{Prepared, Source, thousands};
 
 /// A surface, and the one that is being made ready in its place.
 #[derive(Default)]
@@ -21,14 +23,13 @@ struct Slot {
     failed: Option<String>,
 }
 
-/// The surfaces of the open set, and what each 3D view keeps from frame to frame.
+/// The surfaces of the open set.
 #[derive(Default)]
 pub struct Surfaces {
     after: Slot,
     before: Slot,
     nayar: Slot,
     reference: Slot,
-    pub(super) views: HashMap<u64, ViewState>,
 }
 
 impl Surfaces {
@@ -60,16 +61,6 @@ impl Surfaces {
     /// Whether what is shown is what there is.
     pub fn is_at_rest(&self) -> bool {
         LayerName::ALL.iter().map(|name| self.slot(*name)).all(|slot| slot.task.is_none())
-    }
-
-    /// Lets go of what was drawn by a card that is gone.
-    pub fn forget_card(&mut self) {
-        self.views.values_mut().for_each(|view| view.kept = Arc::default());
-    }
-
-    /// What a view keeps.
-    pub fn view(&mut self, id: u64) -> &mut ViewState {
-        self.views.entry(id).or_default()
     }
 
     fn slot(&self, name: LayerName) -> &Slot {

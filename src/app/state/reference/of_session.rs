@@ -6,9 +6,9 @@ use nalgebra::{Isometry3, Point3};
 
 use super::{How, News, Pairs};
 use crate::app::state::document::{ReferenceSettings, ReferenceSource};
+use crate::app::state::layout::Shown;
 use crate::app::state::session::Session;
-use crate::app::views::Shown;
-use crate::app::views::surface::Shade;
+use crate::app::state::surfaces::Shade;
 
 impl Session {
     /// Takes what the reference's work has found. Once a frame.
