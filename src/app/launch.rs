@@ -11,13 +11,13 @@ use anyhow::{anyhow, bail};
 use eframe::egui::{Context, Ui, ViewportBuilder};
 use eframe::{App, CreationContext, NativeOptions, egui_wgpu, wgpu};
 
-use super::device::{AfterLoss, Losses};
-use super::dialogs::SystemDialogs;
-use super::document::save_everything_now;
-use super::jobs::let_workers_stand_back;
-use super::preferences::Folders;
-use super::session::Open;
-use super::window::Window;
+use crate::app::base::dialogs::SystemDialogs;
+use crate::app::base::jobs::let_workers_stand_back;
+use crate::app::state::document::save_everything_now;
+use crate::app::state::preferences::Folders;
+use crate::app::state::session::Open;
+use crate::app::window::Window;
+use crate::app::window::device::{AfterLoss, Losses};
 
 /// What the window shows first.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +44,7 @@ pub fn run(start: Start) -> anyhow::Result<()> {
     }
     // A set that cannot be opened at all is told where it was asked for, not in a window.
     if let Start::Set(path) = &start {
-        super::document::Editor::open(path)?;
+        crate::app::state::document::Editor::open(path)?;
     }
     guard_document();
     let_workers_stand_back();

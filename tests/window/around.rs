@@ -5,12 +5,12 @@ use std::fs;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, Theme, ThemePreference};
 use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::commands::CommandId;
-use firstbounce::app::document::Recovered;
-use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::When;
-use firstbounce::app::session::Open;
-use firstbounce::app::views::Shown;
+use firstbounce::app::state::document::Recovered;
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::panel::PanelName;
+use firstbounce::app::state::results::When;
+use firstbounce::app::state::session::Open;
+use firstbounce::app::window::commands::CommandId;
 use tempfile::TempDir;
 
 use crate::harness::Hands;
@@ -26,7 +26,7 @@ fn ended(hands: Hands) -> TempDir {
 fn colours_and_size_of_the_window_are_those_of_the_last_run() {
     let mut hands = Hands::with_demo();
     for command in [CommandId::ThemeLight, CommandId::ZoomIn, CommandId::ZoomIn] {
-        hands.session().request(command);
+        hands.run(command);
         hands.steps();
     }
     let next = Hands::with_folder(ended(hands));
@@ -212,7 +212,7 @@ fn a_paste_of_rubbish_into_the_path_field_is_told() {
 fn a_set_that_is_edited_asks_before_the_demo_takes_its_place() {
     let mut hands = Hands::with_demo();
     hands.session().edit("Choose one bounce", |document| document.set.separation.bounces = Some(1));
-    hands.session().request(CommandId::OpenDemo);
+    hands.run(CommandId::OpenDemo);
     hands.steps();
     assert!(hands.sees("Save the changes to Blue corner?"));
     hands.click_button("Stay");
@@ -241,7 +241,7 @@ fn work_that_was_cancelled_says_so_and_is_taken_up_again_on_demand() {
     let mut hands = Hands::new();
     let set = hands.demo();
     hands.session().open(Open::Set(set));
-    hands.session().request(CommandId::CancelJobs);
+    hands.run(CommandId::CancelJobs);
     hands.harness.run_steps(1);
     hands.wait_to_see("cancelled; \"Compute again what failed\" (F9) starts it anew");
     hands.press(Modifiers::NONE, Key::F9);

@@ -108,7 +108,7 @@ fn a_file_that_is_gone_is_one_red_cell_that_says_why() {
     let mut hands = Hands::new();
     let set = hands.demo();
     fs::remove_file(set.join("grey-sphere/top-green.png")).unwrap();
-    hands.open(firstbounce::app::session::Open::Set(set));
+    hands.open(firstbounce::app::state::session::Open::Set(set));
     hands.rest();
     assert!(hands.harness.query_all_by_label_contains("top-green.png: cannot be read").count() >= 1);
     assert!(hands.session().results.loaded().unwrap().object.is_ok());

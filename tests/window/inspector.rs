@@ -2,8 +2,8 @@
 
 use eframe::egui::Role;
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::results::{PlaneName, When};
-use firstbounce::app::views::Shown;
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::results::{PlaneName, When};
 
 use crate::harness::Hands;
 

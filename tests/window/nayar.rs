@@ -2,10 +2,11 @@
 
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::{StageState, Step, When};
-use firstbounce::app::surface::LayerName;
-use firstbounce::app::views::{Shown, entries, picture};
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::panel::PanelName;
+use firstbounce::app::state::results::{StageState, Step, When};
+use firstbounce::app::state::surfaces::LayerName;
+use firstbounce::app::views::{entries, picture};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Unattended, solve};
 use firstbounce_core::methods::by_shape::NayarOptions;

@@ -1,7 +1,8 @@
 //! The window's numbers are the pipeline's.
 
-use firstbounce::app::results::{StageState, Step};
-use firstbounce::app::views::{Shown, picture};
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::results::{StageState, Step};
+use firstbounce::app::views::picture;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{SolveOptions, Unattended, solve};
 
@@ -65,7 +66,7 @@ fn a_set_with_errors_opens_and_tells_each_where_it_is() {
         format!("{text}\n[[shot]]\nsubject = \"object\"\nlight = \"lfet\"\ncolour = \"blue\"\nfiles = [\"x.png\"]\n"),
     )
     .unwrap();
-    hands.open(firstbounce::app::session::Open::Set(set));
+    hands.open(firstbounce::app::state::session::Open::Set(set));
     assert!(hands.session().is_open());
     assert!(hands.session().problems().iter().any(|problem| problem.message.contains("did you mean \"left\"?")));
     hands.rest();

@@ -4,11 +4,11 @@
 
 use std::path::Path;
 
-use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::{ShotName, When};
-use firstbounce::app::session::Open;
-use firstbounce::app::surface::LayerName;
-use firstbounce::app::views::Shown;
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::panel::PanelName;
+use firstbounce::app::state::results::{ShotName, When};
+use firstbounce::app::state::session::Open;
+use firstbounce::app::state::surfaces::LayerName;
 use firstbounce_capture::set::Subject;
 
 use crate::harness::Hands;

@@ -3,9 +3,9 @@
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::results::{PlaneName, When};
-use firstbounce::app::session::Open;
-use firstbounce::app::views::Shown;
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::results::{PlaneName, When};
+use firstbounce::app::state::session::Open;
 
 use crate::harness::Hands;
 

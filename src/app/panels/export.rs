@@ -11,14 +11,14 @@ use firstbounce_capture::report::Report;
 use firstbounce_core::mesh::decimate::DecimateOptions;
 
 use super::Panel;
-use super::part::part;
-use crate::app::dialogs::Choose;
-use crate::app::document::Document;
-use crate::app::jobs::Task;
-use crate::app::path_field::PathField;
-use crate::app::results::{StageState, Step};
-use crate::app::session::Session;
-use crate::app::window::advice;
+use crate::app::base::dialogs::Choose;
+use crate::app::base::jobs::Task;
+use crate::app::state::document::Document;
+use crate::app::state::results::{StageState, Step};
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::part::part;
+use crate::app::widgets::path_field::PathField;
 
 /// The panel.
 #[derive(Default)]

@@ -6,14 +6,15 @@ use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::Compared;
 use firstbounce_core::mesh::compare::{Comparison, Start};
 
-use super::part;
-use crate::app::bars::Bars;
-use crate::app::dialogs::Choose;
-use crate::app::document::{Document, ReferenceSource};
-use crate::app::path_field::PathField;
-use crate::app::reference::{How, Outcome};
-use crate::app::session::Session;
-use crate::app::window::advice;
+use crate::app::base::bars::Bars;
+use crate::app::base::dialogs::Choose;
+use crate::app::state::document::{Document, ReferenceSource};
+use crate::app::state::reference::{How, Outcome};
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::bars::chart;
+use crate::app::widgets::part::part;
+use crate::app::widgets::path_field::PathField;
 
 const HEIGHT: f32 = 130.0;
 
@@ -30,12 +31,12 @@ impl ReferencePanel {
         ui.separator();
         ui.label(RichText::new("Reference scan").strong());
         self.choose(ui, session, document);
-        part::part(ui, "reference state", |ui| state(ui, session));
+        part(ui, "reference state", |ui| state(ui, session));
         if session.reference.mesh().is_none() {
             return;
         }
-        part::part(ui, "align", |ui| align(ui, session, document));
-        part::part(ui, "numbers", |ui| numbers(ui, session, document));
+        part(ui, "align", |ui| align(ui, session, document));
+        part(ui, "numbers", |ui| numbers(ui, session, document));
     }
 
     fn choose(&mut self, ui: &mut Ui, session: &mut Session, document: &Document) {
@@ -213,7 +214,7 @@ fn table(ui: &mut Ui, outcome: &Outcome) {
 fn histogram(ui: &mut Ui, bars: &Bars, bias_mm: f64) {
     let plot = Plot::new("distances").height(HEIGHT).allow_drag(false).allow_zoom(false).allow_scroll(false);
     let plot = plot.allow_boxed_zoom(false).x_axis_label("signed distance, mm").y_axis_label("vertices");
-    let shown = plot.show(ui, |plot| plot.bar_chart(bars.chart("vertices")));
+    let shown = plot.show(ui, |plot| plot.bar_chart(chart(bars, "vertices")));
     let [low, high] = bars.range();
     let words = format!("Histogram of the distances of bounce 1 from {low:.3} to {high:.3} mm, mean {bias_mm:.4} mm");
     shown.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &words));

@@ -10,13 +10,13 @@ use firstbounce_core::stereo::shape::Shape;
 
 use super::Panel;
 use super::reference::ReferencePanel;
-use crate::app::document::{Document, ShapeSettings};
-use crate::app::jobs::Task;
-use crate::app::number_field;
-use crate::app::results::{Shapes, StageState, Step, When};
-use crate::app::session::Session;
-use crate::app::views::Shown;
-use crate::app::window::advice;
+use crate::app::base::jobs::Task;
+use crate::app::state::document::{Document, ShapeSettings};
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{Shapes, StageState, Step, When};
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::number_field;
 
 /// Photometric stereo solves for three unknowns.
 const FEWEST_LIGHTS: usize = 3;

@@ -2,9 +2,9 @@
 
 use eframe::egui::Ui;
 
-use super::Shown;
-use crate::app::document::Document;
-use crate::app::results::{ShotName, When};
+use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{ShotName, When};
 
 /// The menu's entries, by group: what this set has, whether or not it is computed yet.
 pub fn entries(document: &Document) -> Vec<(String, Vec<Shown>)> {

@@ -5,9 +5,9 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::image::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
-use super::Shown;
-use crate::app::document::Document;
-use crate::app::results::{MarksName, PlaneName, Results, ShotName, StageState, Step, Stored, When};
+use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{MarksName, PlaneName, Results, ShotName, StageState, Step, Stored, When};
 use crate::gpu::{ColourMap, Display, Layer, Source, Tint};
 
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.

@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use super::Shown;
 use super::picture::{sides, unit_of};
-use crate::app::document::Document;
-use crate::app::jobs::{Jobs, Task};
-use crate::app::results::Results;
+use crate::app::base::jobs::{Jobs, Task};
+use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::Results;
 use crate::gpu::{Difference, Layer, PlaneKey, difference};
 
 /// A mean this much smaller than the differences themselves is rounding.

@@ -3,12 +3,12 @@
 use eframe::egui::{Context, Id, Modal, Panel, Ui, ViewportCommand, Window};
 
 use super::frame_times::FrameTimes;
-use crate::app::commands::{HelpSheet, Palette};
-use crate::app::device::DeviceWatch;
-use crate::app::dialogs::Choose;
-use crate::app::path_field::PathField;
-use crate::app::session::{Open, Session};
-use crate::app::simulate::NewSet;
+use crate::app::base::dialogs::Choose;
+use crate::app::state::session::{Open, Session};
+use crate::app::widgets::path_field::PathField;
+use crate::app::window::commands::{HelpSheet, Palette};
+use crate::app::window::device::DeviceWatch;
+use crate::app::window::simulate::NewSet;
 
 /// What is open around the panels.
 pub struct Chrome {
@@ -100,7 +100,7 @@ impl Chrome {
 
     /// What happened to the file of the set.
     pub fn notices(&mut self, ui: &mut Ui, session: &mut Session) {
-        if !session.changed_on_disk {
+        if !session.file.changed_on_disk {
             return;
         }
         Panel::top("changed on disk").show(ui, |ui| {

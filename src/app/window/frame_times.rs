@@ -7,7 +7,7 @@ use std::time::Instant;
 use eframe::egui::{Align2, Context, Window, vec2};
 use firstbounce_capture::atomic::write_file;
 
-use crate::app::session::Session;
+use crate::app::state::session::Session;
 
 /// Frames that are remembered.
 const KEPT: usize = 20_000;
@@ -136,7 +136,7 @@ impl FrameTimes {
 
     /// Writes every frame that is remembered beside the preferences, and says how they were.
     pub fn write(&self, session: &mut Session) {
-        let place = session.folders.preferences.join("frame-times.csv");
+        let place = session.folders().preferences.join("frame-times.csv");
         match write_file(&place, self.table().as_bytes()) {
             Ok(()) => {
                 Phase::ALL.iter().for_each(|phase| session.done(self.summary(*phase).words(*phase)));

@@ -2,11 +2,11 @@
 
 use eframe::egui::{Color32, Panel, RichText, Ui};
 
-use crate::app::panels::PanelName;
-use crate::app::results::StageState;
-use crate::app::session::Session;
-use crate::app::theme;
-use crate::app::window::sentence;
+use crate::app::state::panel::PanelName;
+use crate::app::state::results::StageState;
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::sentence;
+use crate::app::widgets::theme;
 
 /// Shows the steps; a click opens one.
 pub fn ui(ui: &mut Ui, session: &mut Session) {

@@ -7,13 +7,13 @@ use firstbounce_capture::set::{Circle, Sphere, SphereKind, Subject, Word};
 use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
 
 use super::balls_of;
-use crate::app::jobs::Task;
-use crate::app::number_field::fixed;
-use crate::app::panels::part::part;
-use crate::app::results::{Loaded, ShotName};
-use crate::app::session::Session;
-use crate::app::views::Shown;
-use crate::app::window::advice;
+use crate::app::base::jobs::Task;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{Loaded, ShotName};
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::number_field::fixed;
+use crate::app::widgets::part::part;
 
 /// A click may miss the ball by as many radii.
 const NEAR_RADII: f64 = 2.0;

@@ -6,9 +6,9 @@ use eframe::egui::{Color32, Rect, RichText, Role, Sense, Stroke, Ui, Vec2, Widge
 use firstbounce_capture::pipeline::Calibrated;
 use firstbounce_core::calibrate::Highlight;
 
-use crate::app::panels::Over;
-use crate::app::results::ShotName;
-use crate::app::session::Session;
+use crate::app::state::results::ShotName;
+use crate::app::state::session::Session;
+use crate::app::views::Over;
 
 const CHOSEN: Color32 = Color32::from_rgb(80, 220, 120);
 const OTHER: Color32 = Color32::from_rgb(240, 150, 60);

@@ -15,12 +15,13 @@ use eframe::egui::{RichText, Ui};
 use firstbounce_capture::pipeline::{Calibrated, Source};
 use firstbounce_capture::set::{CaptureSet, SphereKind, Subject, Word};
 
-use super::part::part;
-use super::{Over, Panel};
-use crate::app::document::Document;
-use crate::app::results::{Calibration, StageState, Step};
-use crate::app::session::Session;
-use crate::app::window::advice;
+use super::Panel;
+use crate::app::state::document::Document;
+use crate::app::state::results::{Calibration, StageState, Step};
+use crate::app::state::session::Session;
+use crate::app::views::Over;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::part::part;
 
 /// The panel.
 #[derive(Default)]

@@ -5,9 +5,9 @@ use firstbounce_capture::set::{Circle, SphereKind, Subject};
 
 use super::Calibrate;
 use super::balls::{Look, circle_in_force, move_ball};
-use crate::app::panels::Over;
-use crate::app::session::Session;
-use crate::app::views::Shown;
+use crate::app::state::layout::Shown;
+use crate::app::state::session::Session;
+use crate::app::views::Over;
 
 const HANDLE_SIDE: f32 = 14.0;
 const CIRCLE: Color32 = Color32::from_rgb(255, 214, 64);

@@ -7,9 +7,9 @@ use firstbounce_capture::pipeline::Calibrated;
 use firstbounce_capture::set::{CaptureSet, SphereKind};
 use firstbounce_core::calibrate::{BallPixels, PixelCounts, PixelUse};
 
-use crate::app::panels::Over;
-use crate::app::results::{Calibration, ShotName};
-use crate::app::session::Session;
+use crate::app::state::results::{Calibration, ShotName};
+use crate::app::state::session::Session;
+use crate::app::views::Over;
 
 /// The longest side of a tint's texture; larger balls are shown coarser.
 const MAX_SIDE: usize = 2048;

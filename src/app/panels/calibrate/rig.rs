@@ -8,10 +8,10 @@ use firstbounce_capture::light_file::LightFile;
 use firstbounce_capture::pipeline::{Preference, calibrate};
 use firstbounce_capture::set::Calibration;
 
-use crate::app::dialogs::Choose;
-use crate::app::jobs::Task;
-use crate::app::path_field::PathField;
-use crate::app::session::Session;
+use crate::app::base::dialogs::Choose;
+use crate::app::base::jobs::Task;
+use crate::app::state::session::Session;
+use crate::app::widgets::path_field::PathField;
 
 /// The other set, and what came of it.
 #[derive(Default)]

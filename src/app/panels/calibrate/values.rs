@@ -4,10 +4,10 @@ use eframe::egui::{Color32, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::pipeline::{Calibrated, Known, Source, Verdict};
 use firstbounce_capture::set::CaptureSet;
 
-use crate::app::number_field::fixed;
-use crate::app::panels::part::part;
-use crate::app::session::Session;
-use crate::app::theme;
+use crate::app::state::session::Session;
+use crate::app::widgets::number_field::fixed;
+use crate::app::widgets::part::part;
+use crate::app::widgets::theme;
 
 /// What a person did to a value.
 enum Change<T> {

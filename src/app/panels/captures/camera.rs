@@ -3,8 +3,8 @@
 use eframe::egui::{ComboBox, RichText, Ui};
 use firstbounce_capture::set::{Camera, Encoding, Projection};
 
-use crate::app::number_field::up_to;
-use crate::app::session::Session;
+use crate::app::state::session::Session;
+use crate::app::widgets::number_field::up_to;
 
 /// What a person answered in this session.
 #[derive(Default)]

@@ -8,9 +8,9 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::set::{Became, GuessOptions, Naming, Pattern, Subject, Word, add_files, assign, propose};
 
 use super::in_order::InOrder;
-use crate::app::name_field::name_field;
-use crate::app::panels::part::part;
-use crate::app::session::Session;
+use crate::app::state::session::Session;
+use crate::app::widgets::name_field::name_field;
+use crate::app::widgets::part::part;
 
 /// Files that a person dropped, before they are the set's.
 pub struct Incoming {

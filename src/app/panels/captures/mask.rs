@@ -11,12 +11,12 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::Mask;
 use firstbounce_core::image::mask::Combine;
 
-use crate::app::dialogs::Choose;
-use crate::app::panels::Over;
-use crate::app::path_field::PathField;
-use crate::app::results::ShotName;
-use crate::app::session::Session;
-use crate::app::views::Shown;
+use crate::app::base::dialogs::Choose;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::ShotName;
+use crate::app::state::session::Session;
+use crate::app::views::Over;
+use crate::app::widgets::path_field::PathField;
 
 /// The longest side of the tint that shows the draft; larger masks are shown coarser.
 const MAX_SIDE: usize = 1024;

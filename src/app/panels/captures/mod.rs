@@ -14,14 +14,15 @@ use eframe::egui::{RichText, Ui};
 use firstbounce_capture::image_file::{Format, pictures_in};
 use firstbounce_capture::set::Location;
 
-use super::part::part;
-use super::{Over, Panel};
-use crate::app::dialogs::Choose;
-use crate::app::path_field::PathField;
-use crate::app::results::{ShotName, StageState, Step};
-use crate::app::session::Session;
-use crate::app::views::Shown;
-use crate::app::window::advice;
+use super::Panel;
+use crate::app::base::dialogs::Choose;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{ShotName, StageState, Step};
+use crate::app::state::session::Session;
+use crate::app::views::Over;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::part::part;
+use crate::app::widgets::path_field::PathField;
 
 /// The panel.
 #[derive(Default)]

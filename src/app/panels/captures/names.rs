@@ -3,8 +3,8 @@
 use eframe::egui::{Button, ComboBox, Role, TextEdit, Ui, WidgetInfo};
 use firstbounce_capture::set::{CaptureSet, Channel, Word};
 
-use crate::app::name_field::{NameField, name_field};
-use crate::app::session::Session;
+use crate::app::state::session::Session;
+use crate::app::widgets::name_field::{NameField, name_field};
 
 /// Names to change, channels to choose, and what no shot uses to take away.
 pub fn ui(ui: &mut Ui, session: &mut Session) {

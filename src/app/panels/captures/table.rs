@@ -10,11 +10,11 @@ use firstbounce_capture::pipeline::{Exposed, region_of, thumbnail};
 use firstbounce_capture::set::{CaptureSet, Encoding, Shot, ShotCell, ShotTable, Sphere};
 
 use super::shot;
-use crate::app::jobs::{Job, Task};
-use crate::app::panels::part::part;
-use crate::app::results::{Loaded, ShotName};
-use crate::app::session::Session;
-use crate::app::views::Shown;
+use crate::app::base::jobs::{Job, Task};
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{Loaded, ShotName};
+use crate::app::state::session::Session;
+use crate::app::widgets::part::part;
 
 const THUMBNAIL_PX: usize = 96;
 const THUMBNAIL_POINTS: f32 = 64.0;
@@ -159,7 +159,7 @@ impl Table {
                     });
                     self.seen = Some(Seen { key, cells: cells.collect() });
                 }
-                Some(Err(line)) => session.log.add(crate::app::log::Level::Warning, line),
+                Some(Err(line)) => session.log.add(crate::app::state::log::Level::Warning, line),
                 None => self.looking = Some((key, task)),
             }
         }

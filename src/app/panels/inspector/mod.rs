@@ -10,10 +10,12 @@ mod tool;
 use eframe::egui::{CollapsingHeader, Ui};
 use firstbounce_capture::set::Subject;
 
-use super::{Over, Panel};
-use crate::app::session::Session;
-use crate::app::views::{Shown, picture};
-use crate::app::window::advice;
+use super::Panel;
+use crate::app::state::layout::Shown;
+use crate::app::state::session::Session;
+use crate::app::views::Over;
+use crate::app::views::picture;
+use crate::app::widgets::advice::advice;
 
 /// The panel.
 #[derive(Default)]

@@ -6,10 +6,10 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::separate::PixelPolynomial;
 
 use super::number;
-use crate::app::document::Document;
-use crate::app::session::Session;
-use crate::app::views::Hover;
-use crate::app::window::advice;
+use crate::app::state::document::Document;
+use crate::app::state::layout::Hover;
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
 
 const HEIGHT: f32 = 170.0;
 const SAMPLES: usize = 60;

@@ -7,9 +7,10 @@ use firstbounce_core::Mask;
 use firstbounce_core::image::statistics::{Histogram, Region, RegionStatistics, Scale, statistics};
 
 use super::{histogram, number};
-use crate::app::jobs::Task;
-use crate::app::session::Session;
-use crate::app::views::{Picture, Shown};
+use crate::app::base::jobs::Task;
+use crate::app::state::layout::Shown;
+use crate::app::state::session::Session;
+use crate::app::views::Picture;
 use crate::gpu::Source;
 
 const BINS: usize = 128;

@@ -5,9 +5,9 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::image::statistics::Region;
 
 use super::OnSubject;
-use crate::app::canvas::Transform;
-use crate::app::number_field::up_to;
-use crate::app::panels::Over;
+use crate::app::views::Over;
+use crate::app::views::canvas::Transform;
+use crate::app::widgets::number_field::up_to;
 
 /// What dragging on a picture draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

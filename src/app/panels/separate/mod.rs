@@ -10,10 +10,10 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_core::trust::{Rig, Trust, TrustOptions, judge};
 
 use super::Panel;
-use super::part::part;
-use crate::app::document::Document;
-use crate::app::session::Session;
-use crate::app::window::advice;
+use crate::app::state::document::Document;
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::part::part;
 
 /// The panel. It keeps the last verdict, which costs a few milliseconds.
 #[derive(Default)]

@@ -5,8 +5,8 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_core::trust::{Advice, Level, Names, Trust};
 
 use super::{choose_order, names};
-use crate::app::session::Session;
-use crate::app::theme;
+use crate::app::state::session::Session;
+use crate::app::widgets::theme;
 
 pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet, session: &mut Session) {
     let (colours, lights) = names(set);

@@ -4,11 +4,11 @@ use eframe::egui::{Color32, DragValue, Grid, RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use firstbounce_capture::pipeline::NayarErrors;
 
-use crate::app::document::Document;
-use crate::app::results::{ByNayar, StageState, Step, When};
-use crate::app::session::Session;
-use crate::app::views::Shown;
-use crate::app::window::advice;
+use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{ByNayar, StageState, Step, When};
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
 
 const HEIGHT: f32 = 170.0;
 

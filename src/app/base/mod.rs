@@ -1,0 +1,5 @@
+//! What every floor stands on: work off the UI thread, the system's file dialogs, counting.
+
+pub mod bars;
+pub mod dialogs;
+pub mod jobs;
