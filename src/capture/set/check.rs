@@ -1,4 +1,4 @@
-//! What each part of a set must be by itself, for a file and for a set that a person edits in memory.
+//! Checks of each part of a set by itself, for a file and for a set that the user edits in memory.
 
 use super::model::*;
 use super::problem::{Location, Problem};
@@ -143,7 +143,7 @@ impl Found {
             }
         }
         if light.direction.is_some() && light.position_mm.is_some() {
-            self.add(location, "direction", "given beside position_mm, which already tells it; keep one of the two");
+            self.add(location, "direction", "given beside position_mm, which already implies it; keep one of the two");
         }
     }
 

@@ -1,4 +1,4 @@
-//! What the parts of a set must be to each other.
+//! Consistency of the parts of a set with each other.
 
 use std::collections::{HashMap, HashSet};
 
@@ -141,7 +141,7 @@ impl CaptureSet {
                 format!("expected {colours} numbers, one per colour, found {}", ratios.len())
             }
             Some(first) if (first - 1.0).abs() > ROUNDING => {
-                format!("expected 1 for the reference colour, which stands first, found {first}")
+                format!("expected 1 for the reference colour, which is first, found {first}")
             }
             _ => return None,
         };

@@ -1,4 +1,4 @@
-//! What a capture set file says, as plain data with the format's defaults.
+//! The content of a capture set file, as plain data with the format's defaults.
 
 use std::path::PathBuf;
 
@@ -9,12 +9,12 @@ pub use crate::image_file::{Channel, Encoding};
 
 /// One object photographed under several lights in several colours.
 ///
-/// Shots name their light and colour, as the file does; [`CaptureSet::check`] tells what does not fit together.
+/// Shots name their light and colour, as the file does; [`CaptureSet::check`] reports what does not fit together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CaptureSet {
     /// The folder that relative paths start from.
     pub folder: PathBuf,
-    /// What a person calls the set; empty where the file gives no name.
+    /// What the user calls the set; empty where the file gives no name.
     pub name: String,
     /// A picture whose non-zero pixels are the object, as written in the file.
     pub mask: Option<String>,
@@ -134,7 +134,7 @@ pub const DEFAULT_EXPOSURE: f64 = 1.0;
 /// The circle of a ball in the pictures of one subject.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sphere {
-    /// Which shots it lies in; `Object` when the ball stands in the scene.
+    /// Which shots it lies in; `Object` when the ball is in the scene.
     pub subject: Subject,
     /// What the ball is made of.
     pub kind: SphereKind,
@@ -162,7 +162,7 @@ pub struct Calibration {
     pub direction: IndexMap<String, [f64; 3]>,
     /// By light: strength in the reference colour, relative to the first light.
     pub intensity: IndexMap<String, f64>,
-    /// Albedo of the grey ball in the reference colour, as its maker states it: with it the ball tells `white_light`.
+    /// Albedo of the grey ball in the reference colour, as its maker states it: with it the ball gives `white_light`.
     /// Optional in the file.
     pub grey_albedo: Option<f64>,
     /// Linear light of a white facet (albedo 1) that faces a lamp of intensity 1 in the reference colour, where it is

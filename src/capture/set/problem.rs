@@ -1,4 +1,4 @@
-//! What is wrong with a capture set, and where.
+//! Problems of a capture set, and where they are.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, io};

@@ -1,4 +1,4 @@
-//! What the rest of the program asks of a capture set.
+//! Questions that the rest of the program asks of a capture set.
 
 use std::path::{Path, PathBuf};
 
@@ -83,7 +83,7 @@ impl CaptureSet {
         files
     }
 
-    /// The circles in the pictures of `subject`; for [`Subject::Object`] those of balls that stand in the scene.
+    /// The circles in the pictures of `subject`; for [`Subject::Object`] those of balls in the scene.
     pub fn spheres_in(&self, subject: Subject) -> impl Iterator<Item = &Sphere> {
         self.spheres.iter().filter(move |sphere| sphere.subject == subject)
     }

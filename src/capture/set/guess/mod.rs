@@ -1,4 +1,4 @@
-//! Subject, light and colour from the names of files, by a pattern that a person can see and change.
+//! Subject, light and colour from the names of files, by a pattern that the user can see and change.
 
 mod pattern;
 mod propose;
@@ -33,8 +33,8 @@ pub enum Became {
     Unassigned(String),
 }
 
-/// Makes shots of files and adds them to a set, with the lights and colours that they name; tells for each file what it
-/// became. A dark frame or flat field that its name alone tells is one, unless the pattern tells subjects. A file that the
+/// Makes shots of files and adds them to a set, with the lights and colours that they name; reports for each file what it
+/// became. A dark frame or flat field that its name alone shows is one, unless the pattern names subjects. A file that the
 /// set already names in the same shot is not added twice.
 pub fn add_files<P: AsRef<Path>>(set: &mut CaptureSet, files: &[P], options: &GuessOptions) -> Vec<Became> {
     let mut add = |file: &Path| {

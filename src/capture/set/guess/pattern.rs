@@ -24,7 +24,7 @@ pub struct Pattern {
     readings: [Regex; 2],
 }
 
-/// What a name may tell.
+/// The fields of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Field {
     Subject,
@@ -34,7 +34,7 @@ enum Field {
     Any,
 }
 
-/// What a file's name tells.
+/// What a file's name says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Guess {
     /// What it shows; `None` where the pattern does not say.
@@ -54,7 +54,7 @@ pub enum PatternError {
     #[error("unknown field {{{0}}}: there are {{subject}}, {{light}}, {{colour}}, {{repeat}} and {{any}}")]
     UnknownField(String),
     /// The same field twice.
-    #[error("{{{0}}} stands in the pattern twice")]
+    #[error("{{{0}}} is in the pattern twice")]
     Twice(&'static str),
     /// A brace or bracket without its partner.
     #[error("a \"{0}\" without its partner")]
@@ -62,7 +62,7 @@ pub enum PatternError {
     /// Brackets within brackets, or a slash within them.
     #[error("brackets can hold neither brackets nor a slash")]
     Nested,
-    /// It tells nothing.
+    /// It says nothing.
     #[error("a pattern needs {{subject}}, {{light}} or {{colour}}")]
     NoField,
 }
@@ -136,7 +136,7 @@ impl FromStr for Pattern {
                     Piece::Close => ")?".into(),
                 })
                 .collect();
-            // The only expressions that could be refused are those that a person made too large.
+            // The only expressions that could be refused are those that the user made too large.
             RegexBuilder::new(&format!("^{inner}$")).case_insensitive(true).build().map_err(|_| PatternError::NoField)
         };
         let folders = pieces.iter().filter(|piece| matches!(piece, Piece::Text('/'))).count();
@@ -181,7 +181,7 @@ fn pieces(text: &str) -> Result<Vec<Piece>, PatternError> {
 }
 
 impl Pattern {
-    /// What the name of a file tells; `None` where it does not follow the pattern.
+    /// What the name of a file says; `None` where it does not follow the pattern.
     pub fn read(&self, file: &Path) -> Option<Guess> {
         let mut parts: Vec<String> = file.parent()?.iter().map(|part| part.to_string_lossy().into_owned()).collect();
         parts.push(file.file_stem()?.to_string_lossy().into_owned());
@@ -197,12 +197,12 @@ impl Pattern {
         })
     }
 
-    /// Whether the pattern tells what a file shows.
+    /// Whether the pattern says what a file shows.
     pub fn names_subject(&self) -> bool {
         self.fields.contains(&Field::Subject)
     }
 
-    /// Whether the pattern tells the colour of a photo.
+    /// Whether the pattern says the colour of a photo.
     pub fn names_colour(&self) -> bool {
         self.fields.contains(&Field::Colour)
     }
@@ -218,7 +218,7 @@ fn subject_of_word(word: &str) -> Option<Subject> {
     Subject::ALL.iter().copied().find(means)
 }
 
-/// Dark frames and flat fields stand beside the photos and follow no pattern of theirs: "dark.png", "flat-03.tif". A lamp
+/// Dark frames and flat fields lie beside the photos and follow no pattern of theirs: "dark.png", "flat-03.tif". A lamp
 /// may well be called black or white.
 pub(super) fn correction_of_name(file: &Path) -> Option<Subject> {
     let stem = file.file_stem()?.to_string_lossy();

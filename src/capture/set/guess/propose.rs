@@ -38,7 +38,7 @@ fn candidates() -> impl Iterator<Item = String> {
 
 /// How well a pattern explains files.
 struct Merit {
-    /// Files whose names follow it and tell enough.
+    /// Files whose names follow it and say enough.
     explained: usize,
     /// Of those, how many name a colour by a word for a colour.
     colour_words: usize,
