@@ -6,6 +6,7 @@ mod bad_input;
 mod calibrate;
 mod compare;
 mod export;
+mod format_page;
 mod lab;
 mod nayar;
 mod no_window;
