@@ -13,6 +13,7 @@ use thiserror::Error;
 use firstbounce_core::denoise::IndirectError;
 use firstbounce_core::light::radiosity::RadiosityError;
 use firstbounce_core::light::scene::SceneError;
+use firstbounce_core::options::OptionError;
 use firstbounce_core::separate::SeparateError;
 use firstbounce_core::stereo::normals::NormalsError;
 
@@ -29,15 +30,8 @@ pub use sensor::Sensor;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LabError {
     /// An option out of its range.
-    #[error("{option} is {value}; it must be {range}")]
-    BadOption {
-        /// The field of the options.
-        option: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it may be.
-        range: &'static str,
-    },
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// A matrix that does not fit the colours.
     #[error("the crosstalk matrix is {rows} x {columns} for {colours} colours; give one row and one column a colour")]
     CrosstalkShape {

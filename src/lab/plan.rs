@@ -14,6 +14,7 @@ use firstbounce_core::image::noise::NoiseModel;
 use firstbounce_core::image::photo::CLIPPED;
 use firstbounce_core::light::radiosity::{BounceOptions, FormFactors};
 use firstbounce_core::light::scene::{Lamp, RenderOptions, Rendering, SceneError, render};
+use firstbounce_core::options::check_range;
 use firstbounce_core::separate::{BounceSystem, LightPhotos, SeparateOptions, Separation, check_order, separate};
 use firstbounce_core::stereo::normals::{DirectLight, Normals, NormalsOptions, Surface, normals};
 use firstbounce_core::{Camera, Mask, NormalMap, Photo, Plane, Portion, Projection, Watch};
@@ -66,29 +67,24 @@ impl Default for PlanOptions {
 impl PlanOptions {
     /// Whether every option is in its range; lamps and albedos are checked where they are used.
     pub fn check(&self) -> Result<(), LabError> {
-        let bad = |option, value, range| Err(LabError::BadOption { option, value, range });
+        let positive = |value: f64| value > 0.0 && value.is_finite();
         self.sensor.check()?;
-        if !(self.brightest > 0.0 && self.brightest <= 1.0) {
-            return bad("brightest", self.brightest, "above 0 and at most 1");
+        let in_range = self.brightest > 0.0 && self.brightest <= 1.0;
+        check_range("brightest", self.brightest, in_range, "above 0 and at most 1")?;
+        let white = self.white.unwrap_or(1.0);
+        check_range("white", white, positive(white), "more than 0")?;
+        for &frames in &self.frames {
+            check_range("frames", frames as f64, (1..=10_000).contains(&frames), "1 to 10000")?;
         }
-        if let Some(white) = self.white.filter(|white| !(*white > 0.0 && white.is_finite())) {
-            return bad("white", white, "more than 0");
+        for &ratio in &self.ratios {
+            check_range("ratio", ratio, positive(ratio), "more than 0")?;
         }
-        if let Some(&frames) = self.frames.iter().find(|frames| !(1..=10_000).contains(*frames)) {
-            return bad("frames", frames as f64, "1 to 10000");
-        }
-        if let Some(&ratio) = self.ratios.iter().find(|&&ratio| !(ratio > 0.0 && ratio.is_finite())) {
-            return bad("ratio", ratio, "more than 0");
-        }
-        if self.bounces == 0 || self.bounces > self.albedos.len() {
-            return bad("bounces", self.bounces as f64, "1 to the number of albedos");
-        }
+        let in_range = (1..=self.albedos.len()).contains(&self.bounces);
+        check_range("bounces", self.bounces as f64, in_range, "1 to the number of albedos")?;
         let shapely = self.alpha.iter().all(|alpha| alpha.len() == self.albedos.len());
         let one_each = self.alpha.is_empty() || self.alpha.len() == self.lamps.len();
-        if !(shapely && one_each) {
-            return bad("alpha", self.alpha.len() as f64, "one value for each lamp and colour");
-        }
-        Ok(())
+        let lamps = self.alpha.len() as f64;
+        Ok(check_range("alpha", lamps, shapely && one_each, "one value for each lamp and colour")?)
     }
 }
 

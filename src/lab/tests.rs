@@ -159,6 +159,6 @@ fn what_is_out_of_range_is_refused() {
         Sensor { exposure: 0.0, ..Sensor::default() },
         Sensor { full_well_electrons: 1e20, ..Sensor::default() },
     ] {
-        assert!(matches!(sensor.photograph(&Plane::filled(1, 1, 0.5), 0), Err(LabError::BadOption { .. })));
+        assert!(matches!(sensor.photograph(&Plane::filled(1, 1, 0.5), 0), Err(LabError::Option(_))));
     }
 }

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::image::photo::CLIPPED;
 use crate::interval::quantile;
+use crate::options::check_range;
 use crate::sphere::{Ball, seen_from_centre};
 use crate::{Photo, Plane};
 use nalgebra::{Matrix3, Vector3};
@@ -36,16 +37,9 @@ impl Default for HighlightOptions {
 impl HighlightOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), CalibrateError> {
-        let bad = |option, value, expected| Err(CalibrateError::BadOption { option, value, expected });
-        if !(0.05..=0.95).contains(&self.min_peak) {
-            return bad("min_peak", self.min_peak, "between 0.05 and 0.95");
-        }
-        if !(0.2..=1.0).contains(&self.max_radii) {
-            return bad("max_radii", self.max_radii, "between 0.2 and 1");
-        }
-        if self.max_candidates == 0 {
-            return bad("max_candidates", 0.0, "1 or more");
-        }
+        check_range("min_peak", self.min_peak, (0.05..=0.95).contains(&self.min_peak), "between 0.05 and 0.95")?;
+        check_range("max_radii", self.max_radii, (0.2..=1.0).contains(&self.max_radii), "between 0.2 and 1")?;
+        check_range("max_candidates", self.max_candidates as f64, self.max_candidates >= 1, "1 or more")?;
         check_circle_sd(self.circle_sd_px)?;
         check_lamp_distance(self.lamp_distance_radii)
     }

@@ -11,6 +11,7 @@ mod window;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use crate::options::{OptionError, check_range};
 use crate::separate::{BounceSystem, LightPhotos, OUTSIDE, SeparateError, Separation, UNSOLVED};
 use crate::{Plane, Watch};
 
@@ -30,36 +31,23 @@ impl Default for IndirectOptions {
 }
 
 /// The widest window: beyond it indirect light is not slow any more.
-const LARGEST_RADIUS_PX: usize = 64;
+const MAX_RADIUS_PX: usize = 64;
 
 impl IndirectOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), IndirectError> {
-        if self.radius_px > LARGEST_RADIUS_PX {
-            return Err(IndirectError::Radius { radius_px: self.radius_px });
-        }
-        if !(self.evenness > 0.0 && self.evenness < 1.0) {
-            return Err(IndirectError::Evenness { evenness: self.evenness });
-        }
-        Ok(())
+        let (radius_px, evenness) = (self.radius_px, self.evenness);
+        check_range("radius_px", radius_px as f64, radius_px <= MAX_RADIUS_PX, "0 to 64")?;
+        Ok(check_range("evenness", evenness, evenness > 0.0 && evenness < 1.0, "between 0 and 1")?)
     }
 }
 
 /// Why the direct light was not quietened.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum IndirectError {
-    /// A window too wide.
-    #[error("a window radius of {radius_px} pixels: give 0 to {LARGEST_RADIUS_PX}")]
-    Radius {
-        /// What was asked for.
-        radius_px: usize,
-    },
-    /// Not a fraction.
-    #[error("an evenness of {evenness}: give a number between 0 and 1")]
-    Evenness {
-        /// What was asked for.
-        evenness: f64,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// The photos do not fit together.
     #[error(transparent)]
     Separate(#[from] SeparateError),

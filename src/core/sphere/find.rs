@@ -8,6 +8,7 @@ use super::{
     vote::propose,
 };
 use crate::Plane;
+use crate::options::check_range;
 
 /// The longest side of the reduced photo in which a ball is looked for.
 const WORKING_SIDE: usize = 640;
@@ -43,14 +44,9 @@ impl Default for CircleOptions {
 impl CircleOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), BallError> {
-        let bad = |option, value, expected| Err(BallError::BadOption { option, value, expected });
-        if self.min_radius_px.is_nan() || self.min_radius_px < 3.0 {
-            return bad("min_radius_px", self.min_radius_px, "3 or more");
-        }
-        if !(0.1..=1.0).contains(&self.min_rim_seen) {
-            return bad("min_rim_seen", self.min_rim_seen, "between 0.1 and 1");
-        }
-        Ok(())
+        check_range("min_radius_px", self.min_radius_px, self.min_radius_px >= 3.0, "3 or more")?;
+        let rim_seen = self.min_rim_seen;
+        Ok(check_range("min_rim_seen", rim_seen, (0.1..=1.0).contains(&rim_seen), "between 0.1 and 1")?)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::options::{OptionError, check_range};
 use crate::stereo::depth::{Depth, DepthError, DepthOptions, integrate};
 use crate::stereo::normals::{
     DirectLight, Lamp, Normals, NormalsError, NormalsOptions, NormalsReport, Surface, normals,
@@ -30,7 +31,7 @@ impl ShapeOptions {
     pub fn check(&self) -> Result<(), ShapeError> {
         self.normals.check()?;
         self.depth.check()?;
-        if self.rounds == 0 { Err(ShapeError::NoRounds) } else { Ok(()) }
+        Ok(check_range("rounds", self.rounds as f64, self.rounds >= 1, "at least 1")?)
     }
 }
 
@@ -43,9 +44,9 @@ pub enum ShapeError {
     /// Integration failed.
     #[error(transparent)]
     Depth(#[from] DepthError),
-    /// Zero rounds were asked for.
-    #[error("0 rounds: at least one is needed")]
-    NoRounds,
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
 }
 
 impl ShapeError {

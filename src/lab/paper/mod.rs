@@ -13,6 +13,7 @@ use firstbounce_core::light::radiosity::{BounceOptions, FormFactorOptions, Patch
 use firstbounce_core::light::scene::{
     Lamp, RenderOptions, Rendering, SceneError, Shape, directions_on_ring, framed, render,
 };
+use firstbounce_core::options::check_range;
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, Separation, UNSOLVED, separate};
 use firstbounce_core::stereo::normals::{DirectLight, Lamp as StereoLamp, NormalsOptions, Surface, normals};
 use firstbounce_core::{Camera, Mask, NormalMap, Photo, Plane, Portion, Watch};
@@ -42,10 +43,7 @@ impl Default for PaperOptions {
 impl PaperOptions {
     /// Whether every option is in its range; the shapes check their patches.
     pub fn check(&self) -> Result<(), LabError> {
-        if (16..=4096).contains(&self.size_px) {
-            return Ok(());
-        }
-        Err(LabError::BadOption { option: "size_px", value: self.size_px as f64, range: "16 to 4096" })
+        Ok(check_range("size_px", self.size_px as f64, (16..=4096).contains(&self.size_px), "16 to 4096")?)
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use firstbounce_core::Mesh;
 use firstbounce_core::light::scene::{Lens, Shape};
+use firstbounce_core::options::check_range;
 
 use super::{LampOptions, SimulateError};
 use crate::{Crosstalk, Sensor};
@@ -200,20 +201,18 @@ impl SimulateOptions {
 
     /// Whether every option is in its range. Lengths of shapes are checked where the shape is made.
     pub fn check(&self) -> Result<(), SimulateError> {
-        let bad = |option, value, range| Err(SimulateError::BadOption { option, value, range });
         if let Some(&albedo) = self.albedos.iter().find(|&&albedo| !(albedo > 0.0 && albedo < 1.0)) {
             return Err(SimulateError::BadAlbedo { albedo });
         }
-        if self.albedos.is_empty() {
-            return bad("the number of albedos", 0.0, "one for each lamp colour, at least one");
-        }
+        let albedos = self.albedos.len() as f64;
+        let range = "one for each lamp colour, at least one";
+        check_range("the number of albedos", albedos, !self.albedos.is_empty(), range)?;
         let colours = self.albedos.len();
         if self.colours.len() != colours {
             return Err(SimulateError::Count { what: "colour names", found: self.colours.len(), expected: colours });
         }
-        if self.lamps.is_empty() {
-            return bad("the number of lamps", 0.0, "at least 1; normals need 3");
-        }
+        let lamps = self.lamps.len();
+        check_range("the number of lamps", lamps as f64, lamps >= 1, "at least 1; normals need 3")?;
         for lamp in &self.lamps {
             lamp.check(colours)?;
         }
@@ -224,21 +223,19 @@ impl SimulateOptions {
             ("bounces", self.truth_bounces, 1, 16, "1 to 16"),
             ("the size of the balls' pictures", self.balls.map_or(200, |balls| balls.size_px), 32, 4096, "32 to 4096"),
         ] {
-            if !(least..=most).contains(&value) {
-                return bad(option, value as f64, range);
-            }
+            check_range(option, value as f64, (least..=most).contains(&value), range)?;
         }
         if let Some(balls) = self.balls.filter(|balls| !(balls.grey_albedo > 0.0 && balls.grey_albedo < 1.0)) {
             return Err(SimulateError::BadAlbedo { albedo: balls.grey_albedo });
         }
         match self.exposure {
-            Exposure::Brightest(light) if !(light > 0.0 && light <= 1.0) => {
-                return bad("the light of the brightest pixel", light, "above 0 and at most 1");
+            Exposure::Brightest(light) => {
+                let in_range = light > 0.0 && light <= 1.0;
+                check_range("the light of the brightest pixel", light, in_range, "above 0 and at most 1")?;
             }
-            Exposure::White(light) if !(light > 0.0 && light.is_finite()) => {
-                return bad("the exposure", light, "more than 0");
+            Exposure::White(light) => {
+                check_range("the exposure", light, light > 0.0 && light.is_finite(), "more than 0")?;
             }
-            _ => {}
         }
         Ok(self.sensor.check()?)
     }

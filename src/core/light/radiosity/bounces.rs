@@ -1,6 +1,7 @@
 //! Each bounce by itself, and all of them.
 
 use super::{RadiosityError, form_factors::FormFactors};
+use crate::options::check_range;
 use crate::{Portion, Watch};
 
 /// About how many passes over the form factors the sum of all bounces takes, to share out progress.
@@ -28,23 +29,15 @@ impl Default for BounceOptions {
 impl BounceOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), RadiosityError> {
-        let bad = |option, value, advice| Err(RadiosityError::BadOption { option, value, advice });
         if let Some(&albedo) = self.albedos.iter().find(|&&albedo| !(albedo > 0.0 && albedo < 1.0)) {
             return Err(RadiosityError::BadAlbedo { albedo });
         }
-        if self.albedos.is_empty() {
-            return bad("albedos", 0.0, "give at least one");
-        }
-        if self.bounces == 0 {
-            return bad("bounces", 0.0, "ask for at least one");
-        }
-        if !(self.relative_residual > 0.0 && self.relative_residual < 1.0) {
-            return bad("relative_residual", self.relative_residual, "take a value between 0 and 1, such as 1e-6");
-        }
-        if self.max_iterations == 0 {
-            return bad("max_iterations", 0.0, "allow at least one");
-        }
-        Ok(())
+        check_range("albedos", self.albedos.len() as f64, !self.albedos.is_empty(), "at least one")?;
+        check_range("bounces", self.bounces as f64, self.bounces >= 1, "at least 1")?;
+        let residual = self.relative_residual;
+        let range = "between 0 and 1, such as 1e-6";
+        check_range("relative_residual", residual, residual > 0.0 && residual < 1.0, range)?;
+        Ok(check_range("max_iterations", self.max_iterations as f64, self.max_iterations >= 1, "at least 1")?)
     }
 
     /// The albedo of the bounces that are told apart.

@@ -11,6 +11,7 @@ use super::{
     patches::Patches,
 };
 use crate::Watch;
+use crate::options::check_range;
 
 /// What form factors may cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,11 +32,7 @@ impl Default for FormFactorOptions {
 impl FormFactorOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), RadiosityError> {
-        if self.rays_per_pair == 0 {
-            let advice = "at least one ray must look from patch to patch";
-            return Err(RadiosityError::BadOption { option: "rays_per_pair", value: 0.0, advice });
-        }
-        Ok(())
+        Ok(check_range("rays_per_pair", self.rays_per_pair as f64, self.rays_per_pair >= 1, "at least 1")?)
     }
 
     /// Whether the factors of so many patches are kept.

@@ -12,6 +12,7 @@ use super::{
     lamp::{Lamp, Receiver, Sources, irradiances},
 };
 use crate::light::radiosity::{BounceOptions, BounceReport, FormFactors, Hit, Patches, bounces};
+use crate::options::check_range;
 use crate::{Camera, Mask, NormalMap, Plane, Portion, Projection, Watch};
 
 /// How a scene is rendered.
@@ -53,14 +54,10 @@ impl RenderOptions {
             ("gather_spacing_px", self.gather_spacing_px),
             ("points_per_patch_side", self.points_per_patch_side),
         ] {
-            if !(1..=16).contains(&value) {
-                return Err(SceneError::BadOption { option, value });
-            }
+            check_range(option, value as f64, (1..=16).contains(&value), "1 to 16")?;
         }
-        if !(0.0..1.0).contains(&self.gather_tolerance) {
-            return Err(SceneError::BadTolerance { tolerance: self.gather_tolerance });
-        }
-        Ok(())
+        let tolerance = self.gather_tolerance;
+        Ok(check_range("gather_tolerance", tolerance, (0.0..1.0).contains(&tolerance), "from 0 to below 1")?)
     }
 }
 

@@ -17,6 +17,7 @@ use thiserror::Error;
 
 use crate::light::radiosity::{FormFactorOptions, FormFactors, RadiosityError, form_factors};
 use crate::light::scene::{self, SceneError};
+use crate::options::{OptionError, check_range};
 use crate::stereo::normals::{DirectLight, Lamp};
 use crate::stereo::shape::{Shape, ShapeError, ShapeOptions, recover_shape};
 use crate::{Camera, Mask, Plane, Portion, Watch};
@@ -53,16 +54,11 @@ impl Default for NayarOptions {
 impl NayarOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), NayarError> {
-        let refuse = |name, value, expected| Err(NayarError::Option { name, value, expected });
-        if !(16..=20_000).contains(&self.patches) {
-            return refuse("patches", self.patches as f64, "from 16 to 20000");
-        }
-        if self.max_iterations == 0 {
-            return refuse("max_iterations", 0.0, "at least 1");
-        }
-        if !(self.smallest_change_deg > 0.0 && self.smallest_change_deg < 90.0) {
-            return refuse("smallest_change_deg", self.smallest_change_deg, "above 0 and below 90");
-        }
+        let (patches, change_deg) = (self.patches, self.smallest_change_deg);
+        check_range("patches", patches as f64, (16..=20_000).contains(&patches), "from 16 to 20000")?;
+        check_range("max_iterations", self.max_iterations as f64, self.max_iterations >= 1, "at least 1")?;
+        let in_range = change_deg > 0.0 && change_deg < 90.0;
+        check_range("smallest_change_deg", change_deg, in_range, "above 0 and below 90")?;
         self.form_factors.check().map_err(NayarError::from)
     }
 }
@@ -70,16 +66,9 @@ impl NayarOptions {
 /// Why the light could not be taken apart.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NayarError {
-    /// An option is out of its range.
-    #[error("{name} is {value}; it must be {expected}")]
-    Option {
-        /// The option.
-        name: &'static str,
-        /// What it was set to.
-        value: f64,
-        /// What it may be.
-        expected: &'static str,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// No scale for the albedo.
     #[error("the light of a white facet is {value}; it must be a positive number")]
     WhiteLight {

@@ -5,6 +5,7 @@ use proptest::test_runner::RngSeed;
 
 use super::*;
 use crate::Unwatched;
+use crate::options::OptionError;
 
 fn orthographic(size: (usize, usize)) -> Camera {
     Camera { projection: Projection::Orthographic { mm_per_pixel: None }, size }
@@ -307,7 +308,7 @@ fn what_cannot_be_integrated_is_refused() {
     let hasty = DepthOptions { max_iterations: 1, tolerance: 1e-8, ..options };
     assert!(matches!(solve(&normals, &full, &camera, hasty), Err(DepthError::NotConverged { iterations: 1, .. })));
     let wrong = DepthOptions { tolerance: f64::NAN, ..options };
-    assert!(matches!(wrong.check(), Err(DepthError::Option { name: "tolerance", .. })));
+    assert!(matches!(wrong.check(), Err(DepthError::Option(OptionError { option: "tolerance", .. }))));
 }
 
 #[test]

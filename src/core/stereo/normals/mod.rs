@@ -13,6 +13,7 @@ use thiserror::Error;
 
 use crate::block::JOB;
 use crate::image::photo::{CLIPPED, DARK};
+use crate::options::{OptionError, check_range};
 use crate::separate::{OUTSIDE, UNSOLVED};
 use crate::{Camera, Mask, NormalMap, Plane, Watch};
 
@@ -43,11 +44,11 @@ impl Default for NormalsOptions {
 impl NormalsOptions {
     /// Whether the fractions are fractions.
     pub fn check(&self) -> Result<(), NormalsError> {
-        let fractions = [("shadow fraction", self.shadow_fraction), ("outlier fraction", self.outlier_fraction)];
-        match fractions.into_iter().find(|(_, value)| !(0.0..1.0).contains(value)) {
-            Some((what, value)) => Err(NormalsError::Fraction { what, value }),
-            None => Ok(()),
+        for (option, value) in [("shadow_fraction", self.shadow_fraction), ("outlier_fraction", self.outlier_fraction)]
+        {
+            check_range(option, value, (0.0..1.0).contains(&value), "from 0 to below 1")?;
         }
+        Ok(())
     }
 }
 
@@ -76,14 +77,9 @@ pub enum NormalsError {
         /// Which light, from 0.
         light: usize,
     },
-    /// An option out of range.
-    #[error("{what} is {value}: give a number from 0 to below 1")]
-    Fraction {
-        /// Which option.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Planes of different sizes.
     #[error("a plane is {found:?} pixels, the mask {expected:?}: all must have one size")]
     Size {
