@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::mesh::compare::{CompareError, Deviation, deviation};
 use crate::mesh::topology::MeshFault;
-use crate::{Mesh, Watch};
+use crate::{Mesh, Portion, Watch};
 
 /// Fewer than a tetrahedron has are no shape.
 const LEAST_TRIANGLES: usize = 4;
@@ -110,7 +110,7 @@ pub fn decimate(mesh: &Mesh, options: &DecimateOptions, watch: &dyn Watch) -> Re
     }
 
     let (decimated, kept) = with_triangles(mesh, triangles);
-    let deviation = deviation(mesh, &decimated, &SecondHalf(watch)).map_err(|error| match error {
+    let deviation = deviation(mesh, &decimated, &Portion::of(watch, 1, 2)).map_err(|error| match error {
         CompareError::Cancelled => DecimateError::Cancelled,
         error => DecimateError::Unmeasured(error),
     })?;
@@ -147,19 +147,6 @@ fn with_triangles(mesh: &Mesh, mut triangles: Vec<[u32; 3]>) -> (Mesh, Vec<u32>)
         unit: mesh.unit,
     };
     (mesh, kept)
-}
-
-/// The measuring comes after the collapsing.
-struct SecondHalf<'a>(&'a dyn Watch);
-
-impl Watch for SecondHalf<'_> {
-    fn progress(&self, fraction: f32) {
-        self.0.progress(0.5 + 0.5 * fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
 }
 
 #[cfg(test)]
