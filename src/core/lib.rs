@@ -22,6 +22,6 @@ pub mod trust;
 pub mod watch;
 
 pub use camera::{Camera, Projection};
-pub use image::{AngularError, Mask, NormalMap, Photo, Plane};
+pub use image::{AngularError, Marks, Mask, NormalMap, Photo, Plane, Raster};
 pub use mesh::Mesh;
 pub use watch::{Portion, Unwatched, Watch};

@@ -269,7 +269,7 @@ impl Scene<'_> {
         let photo = |plane: &Plane, factor: f64| {
             let mut linear = plane.clone();
             linear.data_mut().iter_mut().for_each(|value| *value *= factor as f32);
-            let marks = linear.data().iter().map(|&value| if value >= 1.0 { CLIPPED } else { 0 }).collect();
+            let marks = linear.map(|value| if value >= 1.0 { CLIPPED } else { 0 });
             Photo { linear, marks }
         };
         let row = |(light, alpha): (&firstbounce_core::light::scene::LitPlanes, &Vec<f64>)| {
@@ -297,9 +297,9 @@ impl Scene<'_> {
             if l == 0 {
                 gain = BounceSystem::new(alpha, &beta, &light.typical_sigma(), bounces)?.gain[0];
             }
-            let (separation, _) = separate(&light, &SeparateOptions { bounces }, &Quiet(watch))?;
+            let (separation, _) = separate(&light, &SeparateOptions { bounces }, &Portion::still(watch, 0.0))?;
             // Only its noise is used: in a picture so small a window spans too much of the scene.
-            let quiet = quieten_direct(&light, &separation, &self.options.indirect, &Quiet(watch))?;
+            let quiet = quieten_direct(&light, &separation, &self.options.indirect, &Portion::still(watch, 0.0))?;
             direct.push((separation, quiet.noise));
         }
         let found = self.normals(&direct, watch)?;
@@ -323,7 +323,7 @@ impl Scene<'_> {
                 beta: &[1.0],
                 mask: &self.rendering.mask,
             };
-            let (separation, _) = separate(&light, &SeparateOptions { bounces: 1 }, &Quiet(watch))?;
+            let (separation, _) = separate(&light, &SeparateOptions { bounces: 1 }, &Portion::still(watch, 0.0))?;
             let quiet = Plane::filled(self.lit.width(), self.lit.height(), 0.0);
             lights.push((separation, quiet));
         }
@@ -340,7 +340,7 @@ impl Scene<'_> {
             lights.iter().zip(&self.options.lamps).map(|(light, lamp)| direct_light(light, lamp)).collect();
         let has_scale = !matches!(self.camera.projection, Projection::Orthographic { mm_per_pixel: None });
         let surface = Surface { camera: self.camera, depth_mm: has_scale.then_some(&self.rendering.depth_mm) };
-        Ok(normals(&lights, &self.rendering.mask, surface, &NormalsOptions::default(), &Quiet(watch))?.0)
+        Ok(normals(&lights, &self.rendering.mask, surface, &NormalsOptions::default(), &Portion::still(watch, 0.0))?.0)
     }
 
     /// The pixels that count, and how far their normals are off in radians.
@@ -350,17 +350,6 @@ impl Scene<'_> {
             let (found, truth) = (found.at_index(pixel)?, self.rendering.normals.at_index(pixel)?);
             Some((pixel, f64::from(found.angle(&truth))))
         })
-    }
-}
-
-/// Passes on the wish to stop, and no progress: many short stages would make it jump.
-struct Quiet<'a>(&'a dyn Watch);
-
-impl Watch for Quiet<'_> {
-    fn progress(&self, _fraction: f32) {}
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
     }
 }
 

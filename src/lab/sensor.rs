@@ -102,7 +102,7 @@ impl Sensor {
     pub fn photograph(&self, light: &Plane, stream: u64) -> Result<Photo, LabError> {
         let mut linear = self.expose(light, stream)?;
         let white = self.white_level();
-        let marks = linear.data().iter().map(|&stored| if f64::from(stored) >= white { CLIPPED } else { 0 }).collect();
+        let marks = linear.map(|stored| if f64::from(stored) >= white { CLIPPED } else { 0 });
         let range = (white - self.black_level) * self.exposure;
         let to_linear = |stored: &mut f32| *stored = ((f64::from(*stored) - self.black_level) / range) as f32;
         linear.data_mut().par_iter_mut().for_each(to_linear);

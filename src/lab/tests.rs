@@ -49,7 +49,7 @@ fn too_much_light_clips_and_is_marked() {
     let light = Plane::from_fn(4, 1, |x, _| [0.2, 0.4, 0.55, 3.0][x]);
     let sensor = Sensor { exposure: 2.0, ..Sensor::noiseless(8) };
     assert_eq!(sensor.expose(&light, 0).unwrap().data(), [102.0, 204.0, 255.0, 255.0]);
-    assert_eq!(sensor.photograph(&light, 0).unwrap().marks, [0, 0, CLIPPED, CLIPPED]);
+    assert_eq!(sensor.photograph(&light, 0).unwrap().marks.data(), [0, 0, CLIPPED, CLIPPED]);
 }
 
 #[test]
@@ -71,7 +71,7 @@ proptest! {
         let sensor = Sensor { black_level: (black * white).round(), exposure, ..Sensor::noiseless(bits) };
         let light = light / exposure;
         let photo = sensor.photograph(&Plane::filled(1, 1, light as f32), 0).unwrap();
-        prop_assume!(photo.marks[0] == 0);
+        prop_assume!(photo.marks.data()[0] == 0);
         let step = 1.0 / (white - sensor.black_level) / exposure;
         prop_assert!((f64::from(photo.linear.at(0, 0)) - light).abs() <= 0.5 * step + 1e-5);
     }

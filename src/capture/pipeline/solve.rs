@@ -7,7 +7,7 @@ use firstbounce_core::separate::{LightPhotos, SeparateOptions, SeparateReport, S
 use firstbounce_core::stereo::normals::{DirectLight, Lamp};
 use firstbounce_core::stereo::shape::{Shape, ShapeOptions, recover_shape};
 use firstbounce_core::trust::{Trust, TrustOptions};
-use firstbounce_core::{Camera, Mesh, Plane, Projection};
+use firstbounce_core::{Camera, Marks, Mesh, Plane, Projection};
 use nalgebra::{Point3, Vector3};
 
 use super::nayar::solve_by_nayar;
@@ -54,7 +54,7 @@ pub struct Direct {
     /// Its predicted noise.
     pub noise: Option<Plane>,
     /// Marks of the separation.
-    pub marks: Vec<u8>,
+    pub marks: Marks,
     /// How much quieter it became; `None` for light that was not separated.
     pub report: Option<IndirectReport>,
 }

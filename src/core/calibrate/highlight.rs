@@ -195,7 +195,7 @@ fn describe(
 
     let column = |x: usize| x + view.origin.0;
     let row = |y: usize| y + view.origin.1;
-    let clipped = core.iter().any(|&(x, y)| photo.marks[row(y) * photo.linear.width() + column(x)] & CLIPPED != 0);
+    let clipped = core.iter().any(|&(x, y)| photo.marks.at(column(x), row(y)) & CLIPPED != 0);
     let seen_under_other_lamps = other_lamps
         .iter()
         .filter(|other| {

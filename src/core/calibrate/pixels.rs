@@ -227,7 +227,7 @@ fn mark_pixels(photos: &[&Photo], circle: &Circle, max_radii: f64) -> BallPixels
         .flat_map_iter(|y| {
             columns.clone().map(move |x| {
                 let radii = circle.radii_from_centre(x as f64 + 0.5, y as f64 + 0.5);
-                let marks = photos.iter().fold(0, |marks, photo| marks | photo.marks[y * width + x]);
+                let marks = photos.iter().fold(0, |marks, photo| marks | photo.marks.at(x, y));
                 let finite = photos.iter().all(|photo| photo.linear.at(x, y).is_finite());
                 match () {
                     _ if radii > 1.0 => PixelUse::Outside,

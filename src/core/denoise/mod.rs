@@ -129,7 +129,7 @@ pub fn quieten_direct(
     let system = BounceSystem::new(light.alpha, light.beta, &sigma, separation.bounces.len())?;
     let typical = TypicalNoise::of(&system, &sigma);
     let size = separation.bounces[0].size();
-    let solved = |pixel: usize| separation.marks[pixel] & (UNSOLVED | OUTSIDE) == 0;
+    let solved = |pixel: usize| separation.marks.data()[pixel] & (UNSOLVED | OUTSIDE) == 0;
     let plain_noise = separation.direct_noise.clone().unwrap_or_else(|| Plane::filled(size.0, size.1, 0.0));
     let noise_before = mean_where(&plain_noise, solved);
     if options.radius_px == 0 || separation.bounces.len() == 1 {
@@ -174,7 +174,7 @@ fn apply(
     let mut direct = Plane::filled(width, height, 0.0);
     let mut noise = Plane::filled(width, height, 0.0);
     (direct.data_mut(), noise.data_mut()).into_par_iter().enumerate().for_each(|(pixel, (direct, noise))| {
-        if separation.marks[pixel] & (UNSOLVED | OUTSIDE) != 0 {
+        if separation.marks.data()[pixel] & (UNSOLVED | OUTSIDE) != 0 {
             return;
         }
         let keep = 1.0 - slope.data()[pixel];

@@ -110,7 +110,7 @@ fn grain_of_rows(photo: &Photo, mask: &Mask) -> Vec<(f32, f32)> {
             for (row, weights) in (y - 1..=y + 1).zip(WEIGHTS) {
                 for (column, weight) in (x - 1..=x + 1).zip(weights) {
                     let pixel = row * width + column;
-                    if !mask.data()[pixel] || photo.marks[pixel] != 0 {
+                    if !mask.data()[pixel] || photo.marks.data()[pixel] != 0 {
                         return None;
                     }
                     let light = photo.linear.data()[pixel];

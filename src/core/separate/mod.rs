@@ -10,7 +10,7 @@ pub use polynomial::PixelPolynomial;
 pub use system::{BounceSystem, LEAST_BETA_DISTANCE, check_order, closest_pair};
 
 use crate::image::noise::NoiseModel;
-use crate::{Mask, Photo, Plane, Watch};
+use crate::{Marks, Mask, Photo, Plane, Watch};
 
 /// Mark of a pixel with fewer usable colours than bounces: all its bounces are zero.
 pub const UNSOLVED: u8 = 4;
@@ -128,7 +128,7 @@ pub struct Separation {
     pub residual: Option<Plane>,
     /// Marks of the colours' photos together, and `UNSOLVED` or `OUTSIDE`. A mark without `UNSOLVED` is a pixel that was
     /// fitted without its clipped or dark colours.
-    pub marks: Vec<u8>,
+    pub marks: Marks,
 }
 
 /// What the separation of one light tells of itself. Means run over the solved pixels.
@@ -202,7 +202,7 @@ pub fn typical_light(photo: &Photo, mask: &Mask) -> f64 {
     let step = (photo.linear.data().len() / 50_000).max(1);
     let good = (0..photo.linear.data().len())
         .step_by(step)
-        .filter(|&pixel| mask.data()[pixel] && photo.marks[pixel] == 0)
+        .filter(|&pixel| mask.data()[pixel] && photo.marks.data()[pixel] == 0)
         .map(|pixel| f64::from(photo.linear.data()[pixel]));
     let (sum, count) = good.fold((0.0, 0usize), |(sum, count), light| (sum + light, count + 1));
     sum / count.max(1) as f64
@@ -249,7 +249,9 @@ impl Separation {
         } else if self.residual.as_ref().is_none_or(|plane| plane.size() != size) {
             self.residual = Some(empty());
         }
-        self.marks.resize(size.0 * size.1, 0);
+        if self.marks.size() != size {
+            self.marks = Marks::filled(size.0, size.1, 0);
+        }
     }
 }
 

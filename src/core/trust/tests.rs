@@ -153,7 +153,7 @@ fn calibration_errors_are_those_of_random_calibrations() {
 #[test]
 fn noise_in_degrees_is_that_of_photometric_stereo() {
     use crate::stereo::normals::{DirectLight, Lamp, NormalsOptions, Surface, normals};
-    use crate::{Camera, Mask, Plane, Projection, Unwatched};
+    use crate::{Camera, Marks, Mask, Plane, Projection, Unwatched};
 
     let rig = rig(&[1.0, 0.5], 0.2, 5e-4);
     let trust = assess(&rig, &of_order(2)).unwrap();
@@ -165,7 +165,7 @@ fn noise_in_degrees_is_that_of_photometric_stereo() {
         .map(|l| DirectLight {
             direct: &direct[l],
             noise: Some(&noise[l]),
-            marks: &[0],
+            marks: &Marks::filled(1, 1, 0),
             lamp: Lamp::Distant(rig.lights[l].toward.unwrap()),
             intensity: rig.lights[l].toward.unwrap().norm(),
         })

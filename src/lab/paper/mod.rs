@@ -134,23 +134,12 @@ pub fn paper(options: &PaperOptions, watch: &dyn Watch) -> Result<Paper, LabErro
         light: "four bounces",
     };
     let corner = corner.render(options.size_px, &Portion { watch, from: 0.0, to: 0.2 })?;
-    let figure3 = corner.figure3(&Quiet(watch))?;
-    let mut table = corner.rows(&Quiet(watch))?;
+    let figure3 = corner.figure3(&Portion::still(watch, 0.2))?;
+    let mut table = corner.rows(&Portion::still(watch, 0.3))?;
     let tray = tray.render(options.size_px, &Portion { watch, from: 0.3, to: 0.9 })?;
-    table.extend(tray.rows(&Quiet(watch))?);
+    table.extend(tray.rows(&Portion::still(watch, 0.9))?);
     watch.progress(1.0);
     Ok(Paper { table, figure3 })
-}
-
-/// Passes on the wish to stop, and no progress: many short stages would make it jump.
-struct Quiet<'a>(&'a dyn Watch);
-
-impl Watch for Quiet<'_> {
-    fn progress(&self, _fraction: f32) {}
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
 }
 
 /// A scene and its paint.
@@ -260,7 +249,7 @@ impl Rendered {
         let exact_map = self.normals(&exact, watch)?;
         let solved = |pixel: usize| {
             [&raw_map, &separated_map, &exact_map].iter().all(|map| map.at_index(pixel).is_some())
-                && separated.iter().all(|light| light.marks[pixel] & UNSOLVED == 0)
+                && separated.iter().all(|light| light.marks.data()[pixel] & UNSOLVED == 0)
         };
         let compared = restricted(&self.lit, solved);
         let degrees = |map: &NormalMap| {
@@ -336,7 +325,7 @@ impl Rendered {
                 self.separate(&photos.collect::<Result<Vec<_>, _>>()?, &beta, watch)
             };
             let separated = (0..LAMPS).map(separated).collect::<Result<Vec<_>, LabError>>()?;
-            let solved = |pixel: usize| separated.iter().all(|light| light.marks[pixel] & UNSOLVED == 0);
+            let solved = |pixel: usize| separated.iter().all(|light| light.marks.data()[pixel] & UNSOLVED == 0);
             let (error, truth) = self.direct_error(&separated, &restricted(&self.lit, solved));
             Ok(Figure3Point { ratio, bits, error_percent: 100.0 * error / truth })
         };

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::*;
 use crate::light::radiosity::{BounceOptions, Patches, bounces};
 use crate::light::scene::{RenderOptions, Rendering, Shape as Scene, directions_on_ring, framed, render};
-use crate::{NormalMap, Unwatched};
+use crate::{Marks, NormalMap, Unwatched};
 
 const ALBEDO: f64 = 0.75;
 const WHITE_LIGHT: f64 = 0.6;
@@ -16,7 +16,7 @@ struct Staged {
     camera: Camera,
     directions: Vec<Unit<Vector3<f64>>>,
     rendering: Rendering,
-    marks: Vec<u8>,
+    marks: Marks,
     /// All bounces, by lamp, in linear light.
     light: Vec<Plane>,
 }
@@ -36,7 +36,7 @@ impl Staged {
         let options = RenderOptions { bounces, samples_per_pixel_side: 2, ..Default::default() };
         let (rendering, _) = render(&factors, &lamps, &camera, &options, &Unwatched).unwrap();
         let light = rendering.lights.iter().map(|lit| scaled(&lit.all[0])).collect();
-        Self { camera, directions, marks: vec![0; SIZE_PX * SIZE_PX], rendering, light }
+        Self { camera, directions, marks: Marks::filled(SIZE_PX, SIZE_PX, 0), rendering, light }
     }
 
     fn lights<'a>(&'a self, light: &'a [Plane]) -> Vec<DirectLight<'a>> {

@@ -15,7 +15,7 @@ use crate::block::JOB;
 use crate::image::photo::{CLIPPED, DARK};
 use crate::options::{OptionError, check_range};
 use crate::separate::{OUTSIDE, UNSOLVED};
-use crate::{Camera, Mask, NormalMap, Plane, Watch};
+use crate::{Camera, Marks, Mask, NormalMap, Plane, Watch};
 
 /// Mark of a pixel whose normal comes from some of the lights: others were in shadow, or did not fit.
 pub const SHADOWED: u8 = 16;
@@ -127,7 +127,7 @@ pub struct DirectLight<'a> {
     /// Standard deviation of L_1, where known.
     pub noise: Option<&'a Plane>,
     /// Marks of the separation; pixels with `UNSOLVED` are left out.
-    pub marks: &'a [u8],
+    pub marks: &'a Marks,
     /// Where the lamp is.
     pub lamp: Lamp,
     /// Strength at the frame's origin relative to the first light.
@@ -153,7 +153,7 @@ pub struct Normals {
     /// Predicted noise of the normal (root mean square angle) in degrees; zero where unknown.
     pub noise_deg: Plane,
     /// `UNSOLVED`, `OUTSIDE`, `SHADOWED`, `SHADOW_USED`, and why lights are missing (`CLIPPED`, `DARK`).
-    pub marks: Vec<u8>,
+    pub marks: Marks,
 }
 
 impl Normals {
@@ -161,14 +161,12 @@ impl Normals {
     pub fn empty(width: usize, height: usize) -> Self {
         let zero = Plane::filled(width, height, 0.0);
         let map = NormalMap::empty(width, height);
-        Self { map, albedo: zero.clone(), noise_deg: zero, marks: vec![OUTSIDE; width * height] }
+        Self { map, albedo: zero.clone(), noise_deg: zero, marks: Marks::filled(width, height, OUTSIDE) }
     }
 
     /// The pixels that have a normal.
     pub fn solved(&self) -> Mask {
-        let (width, height) = self.map.size();
-        let solved = self.marks.par_iter().map(|mark| mark & (UNSOLVED | OUTSIDE) == 0).collect();
-        Mask::from_vec(width, height, solved).unwrap_or_else(|| Mask::filled(width, height, false))
+        self.marks.map(|mark| mark & (UNSOLVED | OUTSIDE) == 0)
     }
 }
 
@@ -230,7 +228,7 @@ pub fn normals_into(
     let [x, y, z] = map.planes_mut().map(|plane| plane.data_mut().par_chunks_mut(JOB));
     let albedo = albedo.data_mut().par_chunks_mut(JOB);
     let noise_deg = noise_deg.data_mut().par_chunks_mut(JOB);
-    let tally = (x, y, z, albedo, noise_deg, marks.par_chunks_mut(JOB))
+    let tally = (x, y, z, albedo, noise_deg, marks.data_mut().par_chunks_mut(JOB))
         .into_par_iter()
         .enumerate()
         .map(|(job, (x, y, z, albedo, noise_deg, marks))| {
@@ -303,10 +301,9 @@ fn check_lights(lights: &[DirectLight], mask: &Mask, surface: &Surface) -> Resul
         return Err(NormalsError::NoScale);
     }
     let planes = lights.iter().flat_map(|light| [Some(light.direct), light.noise]).chain([surface.depth_mm]);
-    let marks = lights.iter().all(|light| light.marks.len() == mask.data().len());
-    match planes.flatten().find(|plane| plane.size() != mask.size()) {
-        Some(plane) => Err(NormalsError::Size { found: plane.size(), expected: mask.size() }),
-        None if !marks => Err(NormalsError::Size { found: (0, 0), expected: mask.size() }),
+    let sizes = planes.flatten().map(Plane::size).chain(lights.iter().map(|light| light.marks.size()));
+    match sizes.into_iter().find(|&found| found != mask.size()) {
+        Some(found) => Err(NormalsError::Size { found, expected: mask.size() }),
         None => Ok(()),
     }
 }

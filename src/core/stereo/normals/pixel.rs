@@ -72,8 +72,8 @@ impl<'a> Stage<'a> {
         let mut marks = 0;
         let mut samples = Vec::with_capacity(self.lights.len());
         for (l, light) in self.lights.iter().enumerate() {
-            marks |= light.marks[pixel] & REASONS;
-            if light.marks[pixel] & UNSOLVED == 0 {
+            marks |= light.marks.data()[pixel] & REASONS;
+            if light.marks.data()[pixel] & UNSOLVED == 0 {
                 let sigma = light.noise.map_or(0.0, |noise| f64::from(noise.data()[pixel]));
                 let light = f64::from(light.direct.data()[pixel]);
                 samples.push(Sample { toward: self.toward(l, point_mm), light, sigma });
