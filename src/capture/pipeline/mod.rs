@@ -15,8 +15,8 @@ mod truth;
 mod watch;
 
 pub use calibrate::{
-    BallCircle, BallPhotos, Calibrated, Known, Preference, RatioEvidence, Source, Verdict, calibrate, calibrate_for,
-    calibrate_on,
+    BallCircle, BallPhotos, Calibrated, DirectionDoubt, Evidence, Known, Preference, RatioEvidence, Source, Verdict,
+    calibrate, calibrate_for, calibrate_on,
 };
 pub use compare::{Compared, Laying, ReferenceError, alignment_warnings, compare_meshes, read_comparable};
 pub use cost::{StageCost, peak_rss_bytes};

@@ -169,11 +169,11 @@ fn another_pair(rig: &Rig) -> Option<Advice> {
 /// Noise falls with the root of the frames: how many bring it under the limit for care.
 fn more_frames(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advice> {
     let now = trust.normal?.quiet_noise_deg;
-    if now <= options.normal_deg.care || !now.is_finite() {
+    if now <= options.limits.normal_deg.care || !now.is_finite() {
         return None;
     }
     let instead = rig.frames.max(1);
-    let frames = (instead as f64 * (now / options.normal_deg.care).powi(2)).ceil() as usize;
+    let frames = (instead as f64 * (now / options.limits.normal_deg.care).powi(2)).ceil() as usize;
     let frames = frames.next_power_of_two();
     let degrees = now * (instead as f64 / frames as f64).sqrt();
     (frames <= MOST_FRAMES).then_some(Advice::Frames { frames, instead, degrees, instead_degrees: now })

@@ -15,7 +15,7 @@ mod tail;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 pub use advice::Advice;
-pub use options::{TrustOptions, TwoLimits};
+pub use options::{Limits, TrustOptions, TwoLimits};
 pub use pair::{ColourPair, gain_of_ratio, pairs};
 pub use reason::{NO_DIRECTION_DEG, Names, Reason};
 
@@ -24,20 +24,20 @@ use crate::interval::Estimate;
 use crate::separate::{BounceSystem, SeparateError, check_order};
 use lamps::Lamps;
 
-/// A verdict in three levels, from good to bad.
+/// Every verdict is one of three levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// Nothing stands out.
     #[default]
     Fine,
-    /// Usable, with an error that a person should know of.
+    /// Usable, with an error that the user should know of.
     TakeCare,
     /// The numbers are mostly error.
     DoNotTrust,
 }
 
 impl Level {
-    /// For people.
+    /// "fine", "take care" or "do not trust".
     pub fn words(self) -> &'static str {
         match self {
             Self::Fine => "fine",

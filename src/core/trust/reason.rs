@@ -201,14 +201,6 @@ impl TwoLimits {
     fn judged(self, value: f64, reason: Reason) -> Found {
         Found { level: self.level(value), excess: value / self.care, reason }
     }
-
-    fn level(self, value: f64) -> Level {
-        match value {
-            value if value.is_nan() || value > self.distrust => Level::DoNotTrust,
-            value if value > self.care => Level::TakeCare,
-            _ => Level::Fine,
-        }
-    }
 }
 
 /// A reason before it is sorted.
@@ -240,15 +232,15 @@ pub(super) fn reasons(
     found.extend(worst(&|light| light.gain[0]).and_then(|l| gain_reason(rig, lights[l].gain[0], options)));
     if let Some(normal) = normal {
         let noise = normal.quiet_noise_deg;
-        found.push(options.normal_deg.judged(noise, Reason::NormalNoise { degrees: noise }));
+        found.push(options.limits.normal_deg.judged(noise, Reason::NormalNoise { degrees: noise }));
         let bend = normal.calibration_deg;
-        found.push(options.normal_deg.judged(bend, Reason::CalibrationBend { degrees: bend }));
+        found.push(options.limits.normal_deg.judged(bend, Reason::CalibrationBend { degrees: bend }));
     }
     // There are no percents of a bounce 1 that is not there.
     if negative.is_none() {
         if let Some(light) = worst(&|light| light.noise_percent) {
             let percent = lights[light].noise_percent;
-            found.push(options.light_percent.judged(percent, Reason::LightNoise { percent, light }));
+            found.push(options.limits.light_percent.judged(percent, Reason::LightNoise { percent, light }));
         }
         let calibration = worst(&|light| light.calibration_percent);
         found.extend(calibration.and_then(|l| calibration_reason(rig, lights, l, options)));
@@ -267,7 +259,7 @@ fn gain_reason(rig: &Rig, gain: f64, options: &TrustOptions) -> Option<Found> {
     let (a, b) = closest_pair(&beta)?;
     let closest = if beta[a] < beta[b] { (b, a) } else { (a, b) };
     let reason = Reason::Gain { gain, bounces: options.bounces, closest, beta: beta[closest.1] };
-    (options.bounces > 1).then(|| options.gain.judged(gain, reason))
+    (options.bounces > 1).then(|| options.limits.gain.judged(gain, reason))
 }
 
 fn calibration_reason(rig: &Rig, lights: &[LightTrust], light: usize, options: &TrustOptions) -> Option<Found> {
@@ -277,7 +269,7 @@ fn calibration_reason(rig: &Rig, lights: &[LightTrust], light: usize, options: &
     let most = sources(rig, levels, &system, &lights[light].bounces).max_by(|a, b| a.sd(0).total_cmp(&b.sd(0)))?;
     let percent = lights[light].calibration_percent;
     let reason = Reason::CalibrationError { percent, light, colour: most.colour, is_beta: most.is_beta };
-    Some(options.light_percent.judged(percent, reason))
+    Some(options.limits.light_percent.judged(percent, reason))
 }
 
 /// Either the photos fit no object, or they tell its tail.
@@ -289,12 +281,12 @@ fn tail_reason(lights: &[LightTrust], options: &TrustOptions) -> Option<Found> {
     if least < -LEAST_CONTRADICTION {
         return Some(Found::hopeless(Reason::Contradicted { light: least_light }));
     }
-    if most > options.return_share.care {
+    if most > options.limits.return_share.care {
         let reason = Reason::ReturnsTooMuch { share: most, light: most_light };
-        return Some(options.return_share.judged(most, reason));
+        return Some(options.limits.return_share.judged(most, reason));
     }
     let tails = lights.iter().enumerate().filter_map(|(l, light)| Some((l, light.tail_percent?)));
     let (light, percent) = tails.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     let reason = Reason::Tail { percent, bounces: options.bounces, light };
-    Some(options.light_percent.judged(percent.abs(), reason))
+    Some(options.limits.light_percent.judged(percent.abs(), reason))
 }
