@@ -87,14 +87,14 @@ impl PlanWords {
 
 impl PlanPointWords {
     fn of(point: &PlanPoint) -> Self {
-        let PlanPoint { ratio, frames, gain, noise_deg, tail_deg, error_deg, .. } = *point;
+        let PlanPoint { ratio, frames, gain, noise_deg, truncation_deg: tail_deg, error_deg, .. } = *point;
         Self { albedos: point.albedos.clone(), ratio, frames, gain, noise_deg, tail_deg, error_deg }
     }
 }
 
 fn text(plan: &Plan, scene: &str) -> String {
     let errors = |point: &PlanPoint| {
-        [point.noise_deg, point.tail_deg, point.error_deg].map(|degrees| format!("{degrees:.2}")).to_vec()
+        [point.noise_deg, point.truncation_deg, point.error_deg].map(|degrees| format!("{degrees:.2}")).to_vec()
     };
     let rows = |heading: &str, points: &[PlanPoint], first: &dyn Fn(&PlanPoint) -> String| {
         let mut rows = vec![row([heading, "gain", "by noise, degrees", "by later bounces", "both"])];

@@ -10,7 +10,7 @@ pub mod simulate;
 
 use thiserror::Error;
 
-use firstbounce_core::denoise::IndirectError;
+use firstbounce_core::denoise::DenoiseError;
 use firstbounce_core::light::radiosity::RadiosityError;
 use firstbounce_core::light::scene::SceneError;
 use firstbounce_core::options::OptionError;
@@ -57,8 +57,8 @@ pub enum LabError {
     #[error("no normals: {0}")]
     Normals(NormalsError),
     /// An experiment's quiet direct light.
-    #[error("cannot quieten the direct light: {0}")]
-    Indirect(IndirectError),
+    #[error("cannot denoise the direct light: {0}")]
+    Denoise(DenoiseError),
     /// The watcher asked to stop.
     #[error("cancelled")]
     Cancelled,
@@ -88,12 +88,12 @@ impl From<SeparateError> for LabError {
     }
 }
 
-impl From<IndirectError> for LabError {
-    fn from(error: IndirectError) -> Self {
+impl From<DenoiseError> for LabError {
+    fn from(error: DenoiseError) -> Self {
         match error {
-            IndirectError::Cancelled => Self::Cancelled,
-            IndirectError::Separate(error) => error.into(),
-            other => Self::Indirect(other),
+            DenoiseError::Cancelled => Self::Cancelled,
+            DenoiseError::Separate(error) => error.into(),
+            other => Self::Denoise(other),
         }
     }
 }

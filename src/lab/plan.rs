@@ -1,14 +1,14 @@
 //! What a rig can be expected to achieve: the error of the normals against the number of frames and the ratio of albedos.
 //!
-//! The scene is rendered once, small, for every paint in question: form factors do not know the paint. Noise and tail are
-//! then told apart. The tail is what `m` bounces make of light that bounces without end, by separation of pictures without
+//! The scene is rendered once, small, for every paint in question: form factors do not know the paint. Noise and truncation are
+//! then told apart. The truncation is what `m` bounces make of light that bounces without end, by separation of pictures without
 //! noise. The noise is what the camera model predicts, carried through separation, averaging of the indirect light
 //! ([`firstbounce_core::denoise`]) and photometric stereo.
 
 use std::f64::consts::PI;
 
 use super::{LabError, Sensor};
-use firstbounce_core::denoise::{IndirectOptions, quieten_direct};
+use firstbounce_core::denoise::{DenoiseOptions, denoise_direct};
 use firstbounce_core::image::evaluate::lit_by_three;
 use firstbounce_core::image::noise::NoiseModel;
 use firstbounce_core::image::photo::CLIPPED;
@@ -44,7 +44,7 @@ pub struct PlanOptions {
     /// need an albedo of 1 or more, or colours too alike to tell the bounces apart, is left out.
     pub ratios: Vec<f64>,
     /// How the noise of the indirect light will be averaged.
-    pub indirect: IndirectOptions,
+    pub denoise: DenoiseOptions,
 }
 
 impl Default for PlanOptions {
@@ -59,7 +59,7 @@ impl Default for PlanOptions {
             white: None,
             frames: vec![1, 2, 4, 8, 16, 32, 64],
             ratios: vec![0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95],
-            indirect: IndirectOptions::default(),
+            denoise: DenoiseOptions::default(),
         }
     }
 }
@@ -102,7 +102,7 @@ pub struct PlanPoint {
     /// Mean angle by noise alone.
     pub noise_deg: f64,
     /// Mean angle by light of more than m bounces alone.
-    pub tail_deg: f64,
+    pub truncation_deg: f64,
     /// Mean angle by both.
     pub error_deg: f64,
 }
@@ -228,17 +228,17 @@ struct Scene<'a> {
 /// Angles of single pixels, in radians.
 struct Angles {
     gain: f64,
-    /// By noise of a single frame, and by the tail.
+    /// By noise of a single frame, and by the truncation.
     pixels: Vec<(f64, f64)>,
 }
 
 impl Angles {
-    /// The mean of a normally distributed turn is sqrt(pi)/2 of its root mean square, and turns at random add to the tail
+    /// The mean of a normally distributed turn is sqrt(pi)/2 of its root mean square, and turns at random add to the truncation
     /// by squares.
     fn point(&self, paint: &Paint, frames: usize) -> PlanPoint {
         let share = PI.sqrt() / 2.0 / (frames as f64).sqrt();
         let mean = |of: &dyn Fn(f64, f64) -> f64| {
-            let sum: f64 = self.pixels.iter().map(|&(noise, tail)| of(noise * share, tail)).sum();
+            let sum: f64 = self.pixels.iter().map(|&(noise, truncation)| of(noise * share, truncation)).sum();
             (sum / self.pixels.len().max(1) as f64).to_degrees()
         };
         PlanPoint {
@@ -247,7 +247,7 @@ impl Angles {
             frames,
             gain: self.gain,
             noise_deg: mean(&|noise, _| noise),
-            tail_deg: mean(&|_, tail| tail),
+            truncation_deg: mean(&|_, truncation| truncation),
             error_deg: mean(&f64::hypot),
         }
     }
@@ -299,13 +299,13 @@ impl Scene<'_> {
             }
             let (separation, _) = separate(&light, &SeparateOptions { bounces }, &Portion::still(watch, 0.0))?;
             // Only its noise is used: in a picture so small a window spans too much of the scene.
-            let quiet = quieten_direct(&light, &separation, &self.options.indirect, &Portion::still(watch, 0.0))?;
-            direct.push((separation, quiet.noise));
+            let denoised = denoise_direct(&light, &separation, &self.options.denoise, &Portion::still(watch, 0.0))?;
+            direct.push((separation, denoised.noise));
         }
         let found = self.normals(&direct, watch)?;
-        let pixels = self.compared(&found.map).map(|(pixel, tail)| {
+        let pixels = self.compared(&found.map).map(|(pixel, truncation)| {
             let noise = f64::from(found.noise_deg.data()[pixel]).to_radians();
-            (noise, tail)
+            (noise, truncation)
         });
         let pixels: Vec<_> = pixels.collect();
         if pixels.is_empty() { Err(LabError::Overexposed) } else { Ok(Angles { gain, pixels }) }
@@ -324,8 +324,8 @@ impl Scene<'_> {
                 mask: &self.rendering.mask,
             };
             let (separation, _) = separate(&light, &SeparateOptions { bounces: 1 }, &Portion::still(watch, 0.0))?;
-            let quiet = Plane::filled(self.lit.width(), self.lit.height(), 0.0);
-            lights.push((separation, quiet));
+            let denoised = Plane::filled(self.lit.width(), self.lit.height(), 0.0);
+            lights.push((separation, denoised));
         }
         let found = self.normals(&lights, watch)?;
         let angles: Vec<f64> = self.compared(&found.map).map(|(_, angle)| angle).collect();

@@ -10,7 +10,7 @@ use firstbounce_core::options::check_range;
 use firstbounce_core::{Photo, Plane};
 
 /// The largest finite full well: its noise is far below a step of 16 bits, and its photons can still be counted out.
-const MOST_ELECTRONS: f64 = 1e15;
+const MAX_ELECTRONS: f64 = 1e15;
 
 /// A sensor whose stored values run from 0 to `2^bits - 1`, where it clips.
 ///
@@ -65,7 +65,7 @@ impl Sensor {
     /// Whether every number is in its range.
     pub fn check(&self) -> Result<(), LabError> {
         let (full_well, read_noise) = (self.full_well_electrons, self.read_noise_electrons);
-        let in_range = full_well > 0.0 && (full_well <= MOST_ELECTRONS || full_well.is_infinite());
+        let in_range = full_well > 0.0 && (full_well <= MAX_ELECTRONS || full_well.is_infinite());
         check_range("full_well_electrons", full_well, in_range, "above 0 and at most 1e15, or inf for no noise")?;
         let in_range = read_noise.is_finite() && read_noise >= 0.0;
         check_range("read_noise_electrons", read_noise, in_range, "0 or more")?;

@@ -137,7 +137,7 @@ mod tests {
     fn the_demo_asks_for_care_because_of_its_tail() {
         let trust = verdict(&demo());
         assert_eq!(trust.level, Level::TakeCare);
-        assert!(matches!(trust.reasons[0].1, Reason::Tail { percent, .. } if (-14.0..-8.0).contains(&percent)));
+        assert!(matches!(trust.reasons[0].1, Reason::Truncation { percent, .. } if (-14.0..-8.0).contains(&percent)));
         assert!((trust.lights[0].gain[0] - 4.13).abs() < 0.02);
     }
 

@@ -60,7 +60,7 @@ impl std::fmt::Display for PixelCounts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "clipped {}, dark {}, near the rim {}, near the end of the light {}, highlight {}, outlier {}",
+            "clipped {}, dark {}, near the rim {}, near the terminator {}, highlight {}, outlier {}",
             self.clipped, self.dark, self.near_rim, self.near_terminator, self.highlight, self.outlier
         )
     }

@@ -9,7 +9,7 @@ use crate::mesh::topology::MeshFault;
 use crate::{Mesh, Portion, Watch};
 
 /// Fewer than a tetrahedron has are no shape.
-const LEAST_TRIANGLES: usize = 4;
+const MIN_TRIANGLES: usize = 4;
 
 /// How far to go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ impl DecimateOptions {
     /// `DecimateError::TooFew` for fewer triangles than make a shape.
     pub fn check(&self) -> Result<(), DecimateError> {
         let triangles = self.triangles;
-        if triangles < LEAST_TRIANGLES { Err(DecimateError::TooFew { triangles }) } else { Ok(()) }
+        if triangles < MIN_TRIANGLES { Err(DecimateError::TooFew { triangles }) } else { Ok(()) }
     }
 }
 
@@ -39,7 +39,7 @@ impl DecimateOptions {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DecimateError {
     /// Fewer triangles than make a shape.
-    #[error("{triangles} triangles are too few for a mesh; leave at least {LEAST_TRIANGLES}")]
+    #[error("{triangles} triangles are too few for a mesh; leave at least {MIN_TRIANGLES}")]
     TooFew {
         /// What was asked for.
         triangles: usize,

@@ -7,7 +7,7 @@ mod system;
 use thiserror::Error;
 
 pub use polynomial::PixelPolynomial;
-pub use system::{BounceSystem, LEAST_BETA_DISTANCE, check_order, closest_pair};
+pub use system::{BounceSystem, MIN_BETA_DISTANCE, check_order, closest_pair};
 
 use crate::image::noise::NoiseModel;
 use crate::{Marks, Mask, Photo, Plane, Watch};
@@ -18,7 +18,7 @@ pub const UNSOLVED: u8 = 4;
 pub const OUTSIDE: u8 = 8;
 
 /// More colours than any rig has; every subset of them must fit a 32-bit key.
-const MOST_COLOURS: usize = 32;
+const MAX_COLOURS: usize = 32;
 
 /// How to separate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +54,7 @@ pub enum SeparateError {
     },
     /// Two colours see the same paint: the system has no solution worth the name.
     #[error(
-        "beta of colours {} and {} is {:.3} and {:.3}: closer than {LEAST_BETA_DISTANCE}, so they cannot tell bounces apart; \
+        "beta of colours {} and {} is {:.3} and {:.3}: closer than {MIN_BETA_DISTANCE}, so they cannot tell bounces apart; \
          leave one of them out or separate fewer bounces",
         first + 1, second + 1, beta[0], beta[1]
     )]
@@ -85,7 +85,7 @@ pub enum SeparateError {
         beta: usize,
     },
     /// Photos, noise models and calibration do not count the same colours, or too many.
-    #[error("{photos} photos and {noise} noise models for {colours} colours (at most {MOST_COLOURS})")]
+    #[error("{photos} photos and {noise} noise models for {colours} colours (at most {MAX_COLOURS})")]
     PhotoCount {
         /// How many photos.
         photos: usize,
@@ -178,7 +178,7 @@ pub struct LightPhotos<'a> {
 impl LightPhotos<'_> {
     fn check(&self) -> Result<(), SeparateError> {
         let (photos, noise, colours) = (self.photos.len(), self.noise.len(), self.beta.len());
-        if photos != colours || noise != colours || colours > MOST_COLOURS {
+        if photos != colours || noise != colours || colours > MAX_COLOURS {
             return Err(SeparateError::PhotoCount { photos, noise, colours });
         }
         let expected = self.photos.first().map_or((0, 0), |photo| photo.linear.size());

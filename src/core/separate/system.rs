@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::SeparateError;
 
 /// Two colours whose beta lie closer than this tell the bounces apart by noise alone.
-pub const LEAST_BETA_DISTANCE: f64 = 0.02;
+pub const MIN_BETA_DISTANCE: f64 = 0.02;
 
 /// The least-squares solution of the bounce equations of one light, the same for all its pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +83,7 @@ pub fn check_order(alpha: &[f64], beta: &[f64], bounces: usize) -> Result<(), Se
         return Err(SeparateError::NotPositive { what: "beta", colour, value: beta[colour] });
     }
     match closest_pair(beta) {
-        Some((first, second)) if bounces > 1 && (beta[first] - beta[second]).abs() < LEAST_BETA_DISTANCE => {
+        Some((first, second)) if bounces > 1 && (beta[first] - beta[second]).abs() < MIN_BETA_DISTANCE => {
             Err(SeparateError::SameAlbedo { first, second, beta: [beta[first], beta[second]] })
         }
         _ => Ok(()),

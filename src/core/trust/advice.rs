@@ -9,7 +9,7 @@ use crate::interval::Estimate;
 /// Advice is given where it takes at least this share off the expected error.
 const WORTH_IT: f64 = 0.2;
 /// More frames than this take too long to be advised.
-const MOST_FRAMES: usize = 1024;
+const MAX_FRAMES: usize = 1024;
 /// Albedo ratios tried for another colour.
 const RATIO_STEPS: usize = 18;
 
@@ -168,7 +168,7 @@ fn another_pair(rig: &Rig) -> Option<Advice> {
 
 /// Noise falls with the root of the frames: how many bring it under the limit for care.
 fn more_frames(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advice> {
-    let now = trust.normal?.quiet_noise_deg;
+    let now = trust.normal?.denoised_noise_deg;
     if now <= options.limits.normal_deg.care || !now.is_finite() {
         return None;
     }
@@ -176,7 +176,7 @@ fn more_frames(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advic
     let frames = (instead as f64 * (now / options.limits.normal_deg.care).powi(2)).ceil() as usize;
     let frames = frames.next_power_of_two();
     let degrees = now * (instead as f64 / frames as f64).sqrt();
-    (frames <= MOST_FRAMES).then_some(Advice::Frames { frames, instead, degrees, instead_degrees: now })
+    (frames <= MAX_FRAMES).then_some(Advice::Frames { frames, instead, degrees, instead_degrees: now })
 }
 
 fn another_colour(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advice> {

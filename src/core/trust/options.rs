@@ -1,7 +1,7 @@
 //! What is judged, and the limits of the verdict.
 
 use super::Level;
-use crate::denoise::IndirectOptions;
+use crate::denoise::DenoiseOptions;
 
 /// From where on a number asks for care, and from where on it should not be relied on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,13 +63,13 @@ pub struct TrustOptions {
     /// The order m.
     pub bounces: usize,
     /// How the noise of indirect light is averaged before normals are found.
-    pub indirect: IndirectOptions,
+    pub denoise: DenoiseOptions,
     /// The limits of the verdict.
     pub limits: Limits,
 }
 
 impl Default for TrustOptions {
     fn default() -> Self {
-        Self { bounces: 2, indirect: IndirectOptions::default(), limits: Limits::default() }
+        Self { bounces: 2, denoise: DenoiseOptions::default(), limits: Limits::default() }
     }
 }

@@ -7,7 +7,7 @@ use crate::separate::{BounceSystem, closest_pair};
 /// A colour darker than this share of the reference sends too little light to measure bounces by.
 const DARK_BETA: f64 = 0.3;
 /// A mean that contradicts the law of the tail by less than this may be noise.
-const LEAST_CONTRADICTION: f64 = 0.05;
+const MIN_CONTRADICTION: f64 = 0.05;
 /// Root mean square angles beyond this are no angles of normals that face the camera.
 pub const NO_DIRECTION_DEG: f64 = 60.0;
 
@@ -92,7 +92,7 @@ pub enum Reason {
         is_beta: bool,
     },
     /// Light of more than m bounces.
-    Tail {
+    Truncation {
         /// What it adds to bounce 1, in percent of it.
         percent: f64,
         /// The order m.
@@ -151,7 +151,7 @@ impl Reason {
                 names.colour(*colour),
                 names.light(*light)
             ),
-            Self::Tail { percent, bounces, light } => tail_words(*percent, *bounces, names.light(*light)),
+            Self::Truncation { percent, bounces, light } => truncation_words(*percent, *bounces, names.light(*light)),
             Self::ReturnsTooMuch { share, light } => format!(
                 "with these alpha and beta the object would send {:.0} % of its light back to itself under light {}: \
                  beta is probably too large",
@@ -180,7 +180,7 @@ fn gain_words(gain: f64, bounces: usize, closest: (usize, usize), beta: f64, nam
     }
 }
 
-fn tail_words(percent: f64, bounces: usize, light: &str) -> String {
+fn truncation_words(percent: f64, bounces: usize, light: &str) -> String {
     let by = percent.abs();
     if bounces == 1 {
         return format!(
@@ -231,7 +231,7 @@ pub(super) fn reasons(
     found.extend(negative.map(|light| Found::hopeless(Reason::Negative { light })));
     found.extend(worst(&|light| light.gain[0]).and_then(|l| gain_reason(rig, lights[l].gain[0], options)));
     if let Some(normal) = normal {
-        let noise = normal.quiet_noise_deg;
+        let noise = normal.denoised_noise_deg;
         found.push(options.limits.normal_deg.judged(noise, Reason::NormalNoise { degrees: noise }));
         let bend = normal.calibration_deg;
         found.push(options.limits.normal_deg.judged(bend, Reason::CalibrationBend { degrees: bend }));
@@ -245,7 +245,7 @@ pub(super) fn reasons(
         let calibration = worst(&|light| light.calibration_percent);
         found.extend(calibration.and_then(|l| calibration_reason(rig, lights, l, options)));
     }
-    found.extend(tail_reason(lights, options));
+    found.extend(truncation_reason(lights, options));
     if rig.beta.len() == 1 {
         found.push(Found { level: Level::TakeCare, excess: 1.0, reason: Reason::OneColour });
     }
@@ -273,20 +273,20 @@ fn calibration_reason(rig: &Rig, lights: &[LightTrust], light: usize, options: &
 }
 
 /// Either the photos fit no object, or they tell its tail.
-fn tail_reason(lights: &[LightTrust], options: &TrustOptions) -> Option<Found> {
+fn truncation_reason(lights: &[LightTrust], options: &TrustOptions) -> Option<Found> {
     let shares =
         || lights.iter().map(|light| light.return_share).enumerate().filter_map(|(l, share)| Some((l, share?)));
     let (most_light, most) = shares().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let (least_light, least) = shares().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    if least < -LEAST_CONTRADICTION {
+    if least < -MIN_CONTRADICTION {
         return Some(Found::hopeless(Reason::Contradicted { light: least_light }));
     }
     if most > options.limits.return_share.care {
         let reason = Reason::ReturnsTooMuch { share: most, light: most_light };
         return Some(options.limits.return_share.judged(most, reason));
     }
-    let tails = lights.iter().enumerate().filter_map(|(l, light)| Some((l, light.tail_percent?)));
+    let tails = lights.iter().enumerate().filter_map(|(l, light)| Some((l, light.truncation_percent?)));
     let (light, percent) = tails.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    let reason = Reason::Tail { percent, bounces: options.bounces, light };
+    let reason = Reason::Truncation { percent, bounces: options.bounces, light };
     Some(options.limits.light_percent.judged(percent.abs(), reason))
 }

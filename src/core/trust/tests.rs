@@ -86,7 +86,7 @@ fn noise_asks_for_frames_that_take_it_below_the_limit() {
     let (frames, degrees) = frames.unwrap();
     let scale = (4.0 / frames as f64).sqrt();
     noisy.lights.iter_mut().for_each(|light| light.sigma.iter_mut().for_each(|sigma| *sigma *= scale));
-    let then = judge(&noisy, &of_order(2)).unwrap().normal.unwrap().quiet_noise_deg;
+    let then = judge(&noisy, &of_order(2)).unwrap().normal.unwrap().denoised_noise_deg;
     assert!((then - degrees).abs() < 1e-9 && then <= 2.0, "{then}");
 }
 
@@ -110,7 +110,7 @@ fn the_tail_of_a_cap_is_foretold_exactly() {
             for light in &trust.lights {
                 assert!((light.return_share.unwrap() - share).abs() < 1e-4);
                 let error = 100.0 * (light.bounces[0] / 0.2 - 1.0);
-                assert!((light.tail_percent.unwrap() - error).abs() < 0.05, "{bounces} bounces, share {share}");
+                assert!((light.truncation_percent.unwrap() - error).abs() < 0.05, "{bounces} bounces, share {share}");
             }
         }
     }

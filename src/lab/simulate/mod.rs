@@ -35,7 +35,7 @@ const SPECK: f64 = 0.002;
 /// A surface lies at z = 0 when its height differs from it by less than this fraction of its diagonal.
 const LEVEL: f64 = 1e-4;
 /// How often a surface is put lower or higher.
-const MOST_LOOKS: usize = 5;
+const MAX_LOOKS: usize = 5;
 
 /// A surface whose light can be simulated for any paint and lamps, and the camera before it.
 #[derive(Clone, Debug)]
@@ -193,7 +193,7 @@ fn placed(mut mesh: Mesh, options: &SimulateOptions) -> Result<(Patches, Camera)
         height_mm = mean_height_seen(&patches, &camera).ok_or(SceneError::NothingToSee)?;
         looks += 1;
         // A pinhole sees another part of a surface that has moved, if only a little.
-        if height_mm.abs() < LEVEL * patches.diagonal_mm() || looks == MOST_LOOKS {
+        if height_mm.abs() < LEVEL * patches.diagonal_mm() || looks == MAX_LOOKS {
             return Ok((patches, camera));
         }
         mesh = framed;
@@ -206,7 +206,7 @@ fn mesh_of(scene: &Scene, patches: usize) -> Result<Mesh, SimulateError> {
         Scene::Shape(shape) => return Ok(shape.mesh(patches)?),
         Scene::Mesh { name, mesh } => (name, mesh),
     };
-    let (triangles, most) = (mesh.triangles.len(), SimulateOptions::MOST_PATCHES);
+    let (triangles, most) = (mesh.triangles.len(), SimulateOptions::MAX_PATCHES);
     if triangles > most {
         return Err(SimulateError::TooManyTriangles { name: name.clone(), triangles, most });
     }

@@ -217,7 +217,7 @@ impl SimulateOptions {
             lamp.check(colours)?;
         }
         for (option, value, least, most, range) in [
-            ("patches", self.patches, 2, Self::MOST_PATCHES, "2 to 60000"),
+            ("patches", self.patches, 2, Self::MAX_PATCHES, "2 to 60000"),
             ("pixels", self.size_px, 16, 4096, "16 to 4096"),
             ("samples", self.samples_per_pixel_side, 1, 16, "1 to 16"),
             ("bounces", self.truth_bounces, 1, 16, "1 to 16"),
@@ -241,5 +241,5 @@ impl SimulateOptions {
     }
 
     /// More would take hours.
-    pub const MOST_PATCHES: usize = 60_000;
+    pub const MAX_PATCHES: usize = 60_000;
 }

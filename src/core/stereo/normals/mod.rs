@@ -23,7 +23,7 @@ pub const SHADOWED: u8 = 16;
 pub const SHADOW_USED: u8 = 32;
 
 /// Lamps whose directions span less than this (smallest over largest singular value) lie in a plane.
-const LEAST_SPREAD: f64 = 0.01;
+const MIN_SPREAD: f64 = 0.01;
 
 /// How to find normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +63,7 @@ pub enum NormalsError {
     },
     /// The lamps' directions do not span space.
     #[error(
-        "the {lights} lights lie in a plane (spread {spread:.4}, at least {LEAST_SPREAD} is needed): move one lamp out of it"
+        "the {lights} lights lie in a plane (spread {spread:.4}, at least {MIN_SPREAD} is needed): move one lamp out of it"
     )]
     LightsInPlane {
         /// How many there are.
@@ -314,7 +314,7 @@ fn spread(lights: &[DirectLight]) -> Result<f64, NormalsError> {
         lights.iter().map(|light| light.lamp.irradiance_vector(Point3::origin()).normalize()).collect();
     let singular = DMatrix::from_fn(lights.len(), 3, |l, axis| directions[l][axis]).singular_values();
     let spread = singular.min() / singular.max();
-    if spread > LEAST_SPREAD { Ok(spread) } else { Err(NormalsError::LightsInPlane { lights: lights.len(), spread }) }
+    if spread > MIN_SPREAD { Ok(spread) } else { Err(NormalsError::LightsInPlane { lights: lights.len(), spread }) }
 }
 
 /// Why a light is missing, of all its marks.

@@ -136,10 +136,10 @@ fn fit(samples: &[Sample]) -> Option<Fit> {
     let right: Vector3<f64> = samples.iter().map(|sample| sample.toward * sample.light).sum();
     let inverse = matrix.try_inverse()?;
     // The norms bound the condition number without an eigenvalue; only doubtful cases need the exact one.
-    let doubtful = matrix.norm() * inverse.norm() > super::LEAST_SPREAD.powi(-2);
+    let doubtful = matrix.norm() * inverse.norm() > super::MIN_SPREAD.powi(-2);
     if doubtful {
         let eigenvalues = SymmetricEigen::new(matrix).eigenvalues;
-        if eigenvalues.min() < super::LEAST_SPREAD.powi(2) * eigenvalues.max() {
+        if eigenvalues.min() < super::MIN_SPREAD.powi(2) * eigenvalues.max() {
             return None;
         }
     }
