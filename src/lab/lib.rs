@@ -1,5 +1,5 @@
 //! The lab: photos of rendered scenes by a camera that errs, balls whose pictures are known in closed form, a planner that
-//! foretells the errors of a rig, and the experiments of Liao, Huang and Yang, CVPR 2011, on synthetic scenes.
+//! predicts the errors of a rig, and the experiments of Liao, Huang and Yang, CVPR 2011, on synthetic scenes.
 
 mod balls;
 mod crosstalk;
@@ -56,7 +56,7 @@ pub enum LabError {
     /// An experiment's photometric stereo.
     #[error("no normals: {0}")]
     Normals(NormalsError),
-    /// An experiment's quiet direct light.
+    /// An experiment's denoised direct light.
     #[error("cannot denoise the direct light: {0}")]
     Denoise(DenoiseError),
     /// The watcher asked to stop.

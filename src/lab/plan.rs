@@ -1,7 +1,7 @@
-//! What a rig can be expected to achieve: the error of the normals against the number of frames and the ratio of albedos.
+//! The plan of a rig: the expected error of the normals against the number of frames and the ratio of albedos.
 //!
 //! The scene is rendered once, small, for every paint in question: form factors do not know the paint. Noise and truncation are
-//! then told apart. The truncation is what `m` bounces make of light that bounces without end, by separation of pictures without
+//! then kept apart. The truncation is what `m` bounces make of light that bounces without end, by separation of pictures without
 //! noise. The noise is what the camera model predicts, carried through separation, averaging of the indirect light
 //! ([`firstbounce_core::denoise`]) and photometric stereo.
 
@@ -36,12 +36,12 @@ pub struct PlanOptions {
     /// The linear light that the brightest pixel of all photos is exposed to, 1 being where it clips.
     pub brightest: f64,
     /// The linear light of a white facet that faces the first lamp in the reference colour: the exposure of the paint as it is,
-    /// instead of `brightest`. Another paint is exposed anew.
+    /// instead of `brightest`. Another paint is exposed by itself.
     pub white: Option<f64>,
     /// Numbers of frames to look at.
     pub frames: Vec<usize>,
     /// Ratios of the last albedo to the first to look at; those between are spread evenly on a log scale. One that would
-    /// need an albedo of 1 or more, or colours too alike to tell the bounces apart, is left out.
+    /// need an albedo of 1 or more, or colours too alike to separate the bounces, is left out.
     pub ratios: Vec<f64>,
     /// How the noise of the indirect light will be averaged.
     pub denoise: DenoiseOptions,
@@ -127,7 +127,7 @@ impl Plan {
     }
 }
 
-/// Plans for the surface of `factors` before a camera, which should be small: 48 pixels across tell enough.
+/// Plans for the surface of `factors` before a camera, which should be small: 48 pixels across are enough.
 pub fn plan(
     factors: &FormFactors,
     camera: &Camera,

@@ -143,7 +143,7 @@ fn the_highlight_on_a_mirror_ball_points_to_the_lamp() {
 }
 
 #[test]
-fn a_near_lamp_lights_the_side_it_stands_on() {
+fn a_near_lamp_lights_the_side_it_is_on() {
     // The top of the ball, of 10 mm, is 10 mm nearer to a lamp 40 mm above its centre: (40 / 30)^2 brighter than the origin.
     let picture = ball(40.0).matt(&Lamp::Near(Point3::new(0.0, 0.0, 40.0)), 0.3);
     assert!((picture.sample(50.3, 49.6) - 0.3 * (4.0_f64 / 3.0).powi(2)).abs() < 1e-3);

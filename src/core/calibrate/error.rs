@@ -1,4 +1,4 @@
-//! Why a ball cannot be used.
+//! The errors of calibration.
 
 use super::PixelCounts;
 use crate::options::OptionError;

@@ -56,7 +56,7 @@ pub struct Highlight {
     pub area_px: usize,
     /// Linear light of its brightest pixel.
     pub peak: f64,
-    /// Whether the peak is clipped, so that only the shape of the core tells the centre.
+    /// Whether the peak is clipped, so that only the shape of the core gives the centre.
     pub clipped: bool,
     /// How many of the other lamps' photos show the same spot nearly as bright: a reflection of the room, not of the
     /// lamp.
@@ -70,7 +70,7 @@ pub struct Highlight {
 /// All bright spots, the likeliest first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HighlightReport {
-    /// Candidates; never empty. The first is the lamp unless a person chooses another.
+    /// Candidates; never empty. The first is the lamp unless the user chooses another.
     pub candidates: Vec<Highlight>,
 }
 
@@ -80,7 +80,7 @@ impl HighlightReport {
         self.candidates.first()
     }
 
-    /// Whether another candidate is nearly as likely, so that a person should look.
+    /// Whether another candidate is nearly as likely, so that the user should look.
     pub fn is_ambiguous(&self) -> bool {
         matches!(self.candidates.as_slice(), [first, second, ..] if second.score > 0.5 * first.score)
     }
@@ -223,7 +223,7 @@ fn describe(
 const LARGE_CORE_PX: usize = 30;
 
 /// Centre of all light of a small spot and its surroundings, down to a tenth of its peak. Where in its pixel a lamp
-/// smaller than a pixel stands is not known: a uniform error of half a pixel either way.
+/// smaller than a pixel lies is not known: a uniform error of half a pixel either way.
 fn light_centre(spot: &[(usize, usize)], light: &Plane) -> ((f64, f64), f64) {
     const PIXEL_SD: f64 = 0.289;
     let peak = spot.iter().map(|&(x, y)| light.at(x, y)).fold(0.0, f32::max);

@@ -1,4 +1,4 @@
-//! Which pixels of a ball may be measured, and why the others may not.
+//! The pixels of a ball that may be measured, and why the others may not.
 
 use super::CalibrateError;
 use crate::Photo;

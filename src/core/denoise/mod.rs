@@ -1,4 +1,4 @@
-//! Quiet direct light: indirect light varies slowly over a surface, so most of its noise can be averaged away.
+//! Denoising of the direct light: indirect light varies slowly over a surface, so most of its noise can be averaged away.
 //!
 //! The sum T of all bounces is hardly noisier than a photo; what is noisy is how T divides into direct and indirect light.
 //! Indirect light arrives from the whole object, so over a few pixels it follows T by a straight line: I = a T + b. The line
@@ -15,7 +15,7 @@ use crate::options::{OptionError, check_range};
 use crate::separate::{BounceSystem, LightPhotos, OUTSIDE, SeparateError, Separation, UNSOLVED};
 use crate::{Plane, Watch};
 
-/// How to quieten the direct light.
+/// How to denoise the direct light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DenoiseOptions {
     /// Half the width of the window in pixels; 0 leaves the direct light as it was separated.
@@ -42,7 +42,7 @@ impl DenoiseOptions {
     }
 }
 
-/// Why the direct light was not quietened.
+/// Why the direct light was not denoised.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum DenoiseError {
     /// An option out of its range.
@@ -51,7 +51,7 @@ pub enum DenoiseError {
     /// The photos do not fit together.
     #[error(transparent)]
     Separate(#[from] SeparateError),
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled")]
     Cancelled,
 }
@@ -67,7 +67,7 @@ pub struct DenoisedDirect {
     pub report: DenoiseReport,
 }
 
-/// What quietening tells of itself. Means run over the solved pixels.
+/// What denoising reports. Means run over the solved pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DenoiseReport {
     /// Mean predicted noise of L_1 as it was separated.
@@ -101,7 +101,7 @@ impl TypicalNoise {
     }
 }
 
-/// Predicted noise (standard deviation) of the quiet L_1 where the indirect light is even: a pixel in the middle of a wall.
+/// Predicted noise (standard deviation) of the denoised L_1 where the indirect light is even: a pixel in the middle of a wall.
 /// `sigma` is the noise of each colour's photo in its own linear light.
 pub fn denoised_noise(system: &BounceSystem, sigma: &[f64], options: &DenoiseOptions) -> f64 {
     let typical = TypicalNoise::of(system, sigma);

@@ -43,7 +43,7 @@ fn rms_error(found: &Plane, truth: &Plane, columns: std::ops::Range<usize>) -> f
 }
 
 #[test]
-fn direct_light_is_quieter_as_predicted_and_keeps_texture_and_crease() {
+fn direct_light_is_less_noisy_as_predicted_and_keeps_texture_and_crease() {
     let (truth, photos) = scene(&mut StdRng::seed_from_u64(5));
     let photos: Vec<_> = photos.iter().collect();
     let mask = Mask::filled(SIZE.0, SIZE.1, true);
@@ -61,7 +61,7 @@ fn direct_light_is_quieter_as_predicted_and_keeps_texture_and_crease() {
 }
 
 #[test]
-fn without_a_window_the_separation_stands() {
+fn without_a_window_the_separation_stays_as_it_is() {
     let (_, photos) = scene(&mut StdRng::seed_from_u64(6));
     let photos: Vec<_> = photos.iter().collect();
     let mask = Mask::from_fn(SIZE.0, SIZE.1, |x, _| x > 10);

@@ -1,4 +1,4 @@
-//! How noisy a photo is: photon noise grows with the light, read noise does not.
+//! The noise of a photo: photon noise grows with the light, read noise does not.
 
 use rayon::prelude::*;
 

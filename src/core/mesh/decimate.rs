@@ -122,7 +122,7 @@ pub fn decimate(mesh: &Mesh, options: &DecimateOptions, watch: &dyn Watch) -> Re
 fn collapsed(mesh: &Mesh, triangles: usize) -> Vec<[u32; 3]> {
     let positions: Vec<f32> = mesh.positions.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
     let vertices = VertexData { positions: &positions, count: mesh.positions.len(), stride: size_of::<Point3<f32>>() };
-    // No bound on the error: it is measured afterwards, and told.
+    // No bound on the error: it is measured afterwards, and reported.
     let target = SimplifyTarget { target_index_count: 3 * triangles, target_error: f32::MAX, options: 0 };
     let mut indices = vec![0; 3 * mesh.triangles.len()];
     let (left, _) = simplify(&mut indices, mesh.triangles.as_flattened(), &vertices, &target);

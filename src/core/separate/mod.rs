@@ -23,19 +23,19 @@ const MAX_COLOURS: usize = 32;
 /// How to separate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SeparateOptions {
-    /// The order m: how many bounces to tell apart, 1 to the number of colours.
+    /// The order m: how many bounces to separate, 1 to the number of colours.
     pub bounces: usize,
 }
 
 impl Default for SeparateOptions {
-    /// Two bounces: a good model of many scenes (Funt and Drew), and the quietest that removes interreflections.
+    /// Two bounces: a good model of many scenes (Funt and Drew), and the least noisy that removes interreflections.
     fn default() -> Self {
         Self { bounces: 2 }
     }
 }
 
 impl SeparateOptions {
-    /// Whether `alpha` and `beta` (one of each per colour, the reference first) can tell this many bounces apart.
+    /// Whether `alpha` and `beta` (one of each per colour, the reference first) can separate this many bounces.
     pub fn check(&self, alpha: &[f64], beta: &[f64]) -> Result<(), SeparateError> {
         check_order(alpha, beta, self.bounces)
     }
@@ -105,14 +105,14 @@ pub enum SeparateError {
         expected: (usize, usize),
     },
     /// The matrix beta_c^k is singular to working precision.
-    #[error("{bounces} bounces cannot be told apart (condition number {condition_number:.1e}); separate fewer")]
+    #[error("{bounces} bounces cannot be separated (condition number {condition_number:.1e}); separate fewer")]
     Singular {
         /// The order asked for.
         bounces: usize,
         /// The condition number met.
         condition_number: f64,
     },
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled")]
     Cancelled,
 }
@@ -131,7 +131,7 @@ pub struct Separation {
     pub marks: Marks,
 }
 
-/// What the separation of one light tells of itself. Means run over the solved pixels.
+/// What the separation of one light reports. Means run over the solved pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeparateReport {
     /// The order m.

@@ -16,7 +16,7 @@ const WORKING_SIDE: usize = 640;
 const EDGE_POINTS: usize = 8000;
 /// Circles that are measured before the best is taken.
 const PROPOSALS: usize = 6;
-/// Smaller circles cannot be told from noise in the reduced photo.
+/// Smaller circles cannot be distinguished from noise in the reduced photo.
 const MIN_WORKING_RADIUS: f64 = 5.0;
 
 /// Rim points that leave the circle more uncertain than this many radii, and this many pixels, lie on several things.
@@ -50,7 +50,7 @@ impl CircleOptions {
     }
 }
 
-/// Finds a ball that stands in the same place in all `images` (one lamp each, linear light), from a click `near_px`
+/// Finds a ball that is in the same place in all `images` (one lamp each, linear light), from a click `near_px`
 /// inside it or from nothing.
 ///
 /// Without a click the ball with the largest visible rim is taken. Errors: no photo, sizes that differ, no circle with

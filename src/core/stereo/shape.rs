@@ -16,7 +16,7 @@ pub struct ShapeOptions {
     pub normals: NormalsOptions,
     /// Integration.
     pub depth: DepthOptions,
-    /// How often near lamps are placed anew over the depth found so far; distant lamps need one round.
+    /// Near-light iterations: how often near lamps light the depth found so far; distant lamps need one.
     pub rounds: usize,
 }
 
@@ -50,7 +50,7 @@ pub enum ShapeError {
 }
 
 impl ShapeError {
-    /// Whether somebody cancelled.
+    /// Whether the watch cancelled.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Normals(NormalsError::Cancelled) | Self::Depth(DepthError::Cancelled))
     }
@@ -63,11 +63,11 @@ pub struct Shape {
     pub normals: Normals,
     /// Depth, where there are normals.
     pub depth: Depth,
-    /// What the last round tells.
+    /// The report of the last round.
     pub report: ShapeReport,
 }
 
-/// What the recovery tells of itself.
+/// What the recovery reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeReport {
     /// Photometric stereo, last round.

@@ -1,4 +1,4 @@
-//! What would be better: another order, other colours, more frames.
+//! Advice: another order, other colours, more frames.
 
 use nalgebra::DMatrix;
 
@@ -66,7 +66,7 @@ pub enum Advice {
 }
 
 impl Advice {
-    /// One sentence for people.
+    /// One sentence.
     pub fn words(&self, names: &Names) -> String {
         match self {
             Self::Order { bounces, instead, percent, instead_percent } => format!(
@@ -109,10 +109,10 @@ fn error_words(percent: f64) -> String {
 /// All advice on a verdict.
 pub(super) fn advise(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Vec<Advice> {
     // What the photos contradict cannot be forecast: first the calibration must be right.
-    let unforeseeable = |reason: &Reason| {
+    let unpredictable = |reason: &Reason| {
         matches!(reason, Reason::Contradicted { .. } | Reason::ReturnsTooMuch { .. } | Reason::Negative { .. })
     };
-    if trust.reasons.iter().any(|(_, reason)| unforeseeable(reason)) {
+    if trust.reasons.iter().any(|(_, reason)| unpredictable(reason)) {
         return another_pair(rig).into_iter().collect();
     }
     let all = [
@@ -147,7 +147,7 @@ fn better_order(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advi
     })
 }
 
-/// Where two colours are alike, the one of them whose loss hurts least. The reference colour stays: all is told in it.
+/// Where two colours are alike, the one of them whose loss hurts least. The reference colour stays: all is measured in it.
 fn leave_out(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advice> {
     let Some((_, Reason::SameAlbedo { first, second, .. })) = trust.reasons.first() else { return None };
     let without = |colour: usize| {
@@ -212,7 +212,7 @@ impl Rig {
         rig
     }
 
-    /// With a colour of this albedo, as bright and noisy as the reference colour would be, lit as the law of the tail says.
+    /// With a colour of this albedo, as bright and noisy as the reference colour would be, lit as the law of truncation says.
     fn with_colour(&self, ratio: f64, trust: &Trust) -> Option<Self> {
         let mut rig = self.clone();
         rig.beta.push(Estimate::exact(ratio));

@@ -1,8 +1,8 @@
-//! How far a separation can be trusted, from a few small matrices: no pixel is looked at, so that a verdict follows every
+//! The verdict on a separation, from a few small matrices: no pixel is looked at, so that a verdict follows every
 //! change of the order m, of alpha and of beta at once.
 //!
 //! Four things can spoil bounce 1: noise, errors of calibration, light that bounced more often than m times, and anything
-//! else that makes the colours disagree. Each is told by itself; the worst one gives the verdict.
+//! else that makes the colours disagree. Each is judged by itself; the worst one gives the verdict.
 
 mod advice;
 mod calibration;
@@ -89,9 +89,9 @@ pub struct LightTrust {
     pub denoised_noise_percent: f64,
     /// What the intervals of alpha and beta make of bounce 1 (standard deviation).
     pub calibration_percent: f64,
-    /// What light of more than m bounces adds to bounce 1 (negative: takes from it); `None` where one colour cannot tell.
+    /// What light of more than m bounces adds to bounce 1 (negative: takes from it); `None` with one colour.
     pub truncation_percent: Option<f64>,
-    /// The share of its light that the object sends back to itself at each bounce, as the mean photos tell.
+    /// The share of its light that the object sends back to itself at each bounce, by the mean photos.
     pub return_share: Option<f64>,
 }
 
@@ -117,7 +117,7 @@ pub struct Trust {
     pub reasons: Vec<(Level, Reason)>,
     /// What would be better.
     pub advice: Vec<Advice>,
-    /// By light; empty where the colours cannot be told apart at all.
+    /// By light; empty where the colours cannot be separated at all.
     pub lights: Vec<LightTrust>,
     /// `None` for fewer than three lights of known direction, or lights in a plane.
     pub normal: Option<NormalTrust>,
@@ -129,7 +129,7 @@ impl Trust {
         self.lights.iter().map(value).reduce(f64::max)
     }
 
-    /// The error of bounce 1 to be expected, as a percentage of it: noise and calibration at random, the tail on top.
+    /// The error of bounce 1 to be expected, as a percentage of it: noise and calibration at random, truncation on top.
     pub fn error_percent(&self) -> f64 {
         let of = |light: &LightTrust| {
             light.denoised_noise_percent.hypot(light.calibration_percent)

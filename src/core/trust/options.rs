@@ -1,4 +1,4 @@
-//! What is judged, and the limits of the verdict.
+//! The options of a verdict, and the limits of all verdicts.
 
 use super::Level;
 use crate::denoise::DenoiseOptions;

@@ -1,4 +1,4 @@
-//! Why a separation is not simply fine, as data and in words.
+//! Reasons against a separation, as data and in words.
 
 use super::calibration::sources;
 use super::{Level, LightTrust, NormalTrust, Rig, TrustOptions, TwoLimits, values};
@@ -6,7 +6,7 @@ use crate::separate::{BounceSystem, closest_pair};
 
 /// A colour darker than this share of the reference sends too little light to measure bounces by.
 const DARK_BETA: f64 = 0.3;
-/// A mean that contradicts the law of the tail by less than this may be noise.
+/// A mean that contradicts the law of truncation by less than this may be noise.
 const MIN_CONTRADICTION: f64 = 0.05;
 /// Root mean square angles beyond this are no angles of normals that face the camera.
 pub const NO_DIRECTION_DEG: f64 = 60.0;
@@ -42,7 +42,7 @@ pub enum Reason {
         /// Both beta.
         beta: [f64; 2],
     },
-    /// The bounces cannot be told apart.
+    /// The bounces cannot be separated.
     Singular {
         /// The order m.
         bounces: usize,
@@ -112,22 +112,22 @@ pub enum Reason {
         /// Under which light most.
         light: usize,
     },
-    /// One colour tells nothing of bounces.
+    /// One colour says nothing about bounces.
     OneColour,
 }
 
 impl Reason {
-    /// One sentence for people.
+    /// One sentence.
     pub fn words(&self, names: &Names) -> String {
         match self {
             Self::SameAlbedo { first, second, beta } => format!(
-                "beta of {} and {} is {:.3} and {:.3}: they see the paint alike and cannot tell bounces apart",
+                "beta of {} and {} is {:.3} and {:.3}: they see the paint alike and cannot separate bounces",
                 names.colour(*first),
                 names.colour(*second),
                 beta[0],
                 beta[1]
             ),
-            Self::Singular { bounces } => format!("{bounces} bounces cannot be told apart with these beta"),
+            Self::Singular { bounces } => format!("{bounces} bounces cannot be separated with these beta"),
             Self::Negative { light } => {
                 format!("under light {} bounce 1 comes out negative: alpha or beta is wrong", names.light(*light))
             }
@@ -163,7 +163,7 @@ impl Reason {
                  object is of another paint than the ball",
                 names.light(*light)
             ),
-            Self::OneColour => "one colour cannot tell direct light from light between the walls".into(),
+            Self::OneColour => "one colour cannot separate direct light from light between the walls".into(),
         }
     }
 }
@@ -272,7 +272,7 @@ fn calibration_reason(rig: &Rig, lights: &[LightTrust], light: usize, options: &
     Some(options.limits.light_percent.judged(percent, reason))
 }
 
-/// Either the photos fit no object, or they tell its tail.
+/// Either the photos fit no object, or they give its truncation error.
 fn truncation_reason(lights: &[LightTrust], options: &TrustOptions) -> Option<Found> {
     let shares =
         || lights.iter().map(|light| light.return_share).enumerate().filter_map(|(l, share)| Some((l, share?)));
@@ -285,8 +285,8 @@ fn truncation_reason(lights: &[LightTrust], options: &TrustOptions) -> Option<Fo
         let reason = Reason::ReturnsTooMuch { share: most, light: most_light };
         return Some(options.limits.return_share.judged(most, reason));
     }
-    let tails = lights.iter().enumerate().filter_map(|(l, light)| Some((l, light.truncation_percent?)));
-    let (light, percent) = tails.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let errors = lights.iter().enumerate().filter_map(|(l, light)| Some((l, light.truncation_percent?)));
+    let (light, percent) = errors.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     let reason = Reason::Truncation { percent, bounces: options.bounces, light };
     Some(options.limits.light_percent.judged(percent.abs(), reason))
 }

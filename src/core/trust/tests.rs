@@ -98,9 +98,9 @@ fn a_wrong_beta_contradicts_the_photos() {
     assert!(matches!(trust.reasons[0], (Level::DoNotTrust, Reason::Contradicted { .. })), "{}", said(&trust));
 }
 
-/// The law of a spherical cap is exact: what the tail is charged with is what a fit of its photos gets wrong.
+/// The law of a spherical cap is exact: what truncation is charged with is what a fit of its photos gets wrong.
 #[test]
-fn the_tail_of_a_cap_is_foretold_exactly() {
+fn the_truncation_error_of_a_cap_is_predicted_exactly() {
     for (beta, bounces) in
         [(vec![1.0, 0.5], 1), (vec![1.0, 0.5], 2), (vec![1.0, 0.7, 0.3], 2), (vec![1.0, 0.7, 0.3], 3)]
     {
@@ -116,7 +116,7 @@ fn the_tail_of_a_cap_is_foretold_exactly() {
     }
 }
 
-/// Every random draw of alpha and beta from its interval, separated anew, against the first-order formulas.
+/// Every random draw of alpha and beta from its interval, separated again, against the first-order formulas.
 #[test]
 fn calibration_errors_are_those_of_random_calibrations() {
     let mut truth = rig(&[1.0, 0.55], 0.2, 1e-4);

@@ -1,10 +1,10 @@
-//! Light that bounced more often than m times.
+//! Truncation: light that bounced more often than m times.
 //!
 //! An m-bounce fit charges it to L_1 .. L_m. In a spherical cap of area fraction f every bounce after the first is
 //! q = rho f times the one before (L = rho E + rho^2 f E_mean / (1 - rho f)), and so is the mean of the second over the mean
 //! of the first. Mean photos then go as N_c / alpha_c = L_1 beta_c / (1 - beta_c q): two colours are enough to find q, and q
-//! tells what any fit makes of the truncation. Other shapes follow this law less exactly; on rendered corners, grooves and bowls
-//! it tells the mean error of bounce 1 to a factor of two or better.
+//! gives what any fit makes of the truncation. Other shapes follow this law less exactly; on rendered corners, grooves and bowls
+//! it gives the mean error of bounce 1 to a factor of two or better.
 
 use super::LightLevels;
 use crate::interval::Estimate;

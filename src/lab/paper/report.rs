@@ -1,4 +1,4 @@
-//! The paper's synthetic experiments, done again, for programs and for people.
+//! The paper's synthetic experiments, reproduced: records and a page.
 
 use firstbounce_core::trust::gain_of_ratio;
 use maud::{Markup, html};
@@ -11,7 +11,7 @@ use firstbounce_capture::report::page::page;
 /// What survives of the paper's own figures for one scene. The scan lost most cells of its Table 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PublishedWords {
-    /// Which of our scenes stands for the paper's.
+    /// Which of our scenes represents the paper's.
     pub scene: &'static str,
     /// Mean error of the normals from the photos as they are.
     pub raw_deg: Option<f64>,

@@ -1,4 +1,4 @@
-//! Why nothing was simulated.
+//! The errors of a simulation.
 
 use std::path::PathBuf;
 
@@ -115,7 +115,7 @@ pub enum SimulateError {
         /// One of its files.
         found: String,
     },
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled; nothing was written")]
     Cancelled,
 }

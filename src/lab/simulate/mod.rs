@@ -44,7 +44,7 @@ pub struct PreparedScene {
     camera: Camera,
     /// How good the form factors are.
     pub report: FormFactorReport,
-    /// What a person should know.
+    /// What the user should know.
     pub warnings: Vec<String>,
 }
 
@@ -85,11 +85,11 @@ pub struct Simulated {
     pub photos: Vec<StoredPhoto>,
     /// What is true of it.
     pub truth: SimulatedTruth,
-    /// What the simulation tells of itself.
+    /// What the simulation reports.
     pub report: SimulateReport,
 }
 
-/// What a simulation tells of itself.
+/// What a simulation reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulateReport {
     /// The scene's name.
@@ -102,7 +102,7 @@ pub struct SimulateReport {
     pub indirect_share: f64,
     /// Pixels of the object that clip, in the photo with the most of them.
     pub clipped_pixels: usize,
-    /// What a person should know.
+    /// What the user should know.
     pub warnings: Vec<String>,
 }
 
@@ -140,7 +140,7 @@ pub fn prepare(options: &SimulateOptions, watch: &dyn Watch) -> Result<PreparedS
     let (factors, report) = form_factors(patches, &factor_options, watch)?;
     if !report.stored {
         warnings.push(format!(
-            "form factors of {} patches need {} MiB, more than the limit of {} MiB: they are computed anew for every bounce, \
+            "form factors of {} patches need {} MiB, more than the limit of {} MiB: they are computed again for every bounce, \
              which takes longer",
             report.patches,
             (2 * report.patches as u64 * (report.patches as u64 - 1)) >> 20,
@@ -182,7 +182,7 @@ pub fn simulate_prepared(
 /// The surface before its camera, at the height at which depth from normals will be put: near lamps and a pinhole stand where
 /// they do over that z = 0.
 fn placed(mut mesh: Mesh, options: &SimulateOptions) -> Result<(Patches, Camera), SimulateError> {
-    // A first guess that no pinhole stands in.
+    // A first guess that no pinhole is in.
     let (low, high) = mesh.bounds().ok_or(SceneError::NothingToSee)?;
     let mut height_mm = f64::from(low.z + high.z) / 2.0;
     let mut looks = 0;

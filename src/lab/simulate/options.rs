@@ -1,4 +1,4 @@
-//! What is to be simulated.
+//! The options of a simulation.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ pub enum Scene {
     Shape(Shape),
     /// Any mesh, in mm, its fronts toward +z; refined where it has fewer triangles than patches are asked for.
     Mesh {
-        /// What a person calls it.
+        /// What the user calls it.
         name: String,
         /// The surface.
         mesh: Mesh,
@@ -58,7 +58,7 @@ impl Scene {
         }))
     }
 
-    /// The mesh of a file, called as the file is, and what a person should know of it. `flip` turns its faces the other way
+    /// The mesh of a file, called as the file is, and what the user should know of it. `flip` turns its faces the other way
     /// round.
     ///
     /// # Errors
@@ -84,7 +84,7 @@ impl Scene {
         }
     }
 
-    /// What a person calls it.
+    /// What the user calls it.
     pub fn name(&self) -> &str {
         match self {
             Self::Shape(Shape::Corner { .. }) => "corner",
@@ -132,7 +132,7 @@ pub struct SimulateOptions {
     pub scene: Scene,
     /// About how many patches exchange light. Time grows with the square.
     pub patches: usize,
-    /// Above this, form factors are not kept but computed anew for every bounce.
+    /// Above this, form factors are not kept but computed again for every bounce.
     pub memory_limit_bytes: u64,
     /// The paint: an albedo for each colour, the reference colour first.
     pub albedos: Vec<f64>,
@@ -146,7 +146,7 @@ pub struct SimulateOptions {
     pub size_px: usize,
     /// Samples along each side of a pixel.
     pub samples_per_pixel_side: usize,
-    /// How many bounces the truth tells apart.
+    /// How many bounces the truth holds.
     pub truth_bounces: usize,
     /// The sensor; its exposure is 1, see `exposure`.
     pub sensor: Sensor,
@@ -189,7 +189,7 @@ impl SimulateOptions {
         (1..=count).map(|c| format!("c{c}")).collect()
     }
 
-    /// Where no light is stored by a sensor that stores this much at most, unless a person says otherwise.
+    /// Where no light is stored by a sensor that stores this much at most, unless the user says otherwise.
     pub fn usual_black_level(white_level: f64) -> f64 {
         (white_level / 128.0).round()
     }

@@ -38,7 +38,7 @@ pub fn plan_rig(options: &SimulateOptions, grid: &PlanGrid, watch: &dyn Watch) -
     small.check()?;
     let part = |from, to| firstbounce_core::Portion { watch, from, to };
     let prepared = prepare(&small, &part(0.0, 0.3))?;
-    // A fixed exposure is that of one paint: another would be exposed anew.
+    // A fixed exposure is that of one paint: another would be exposed again.
     let (brightest, white) = match options.exposure {
         Exposure::Brightest(light) => (light, None),
         Exposure::White(light) => (PlanOptions::default().brightest, Some(light)),

@@ -72,7 +72,7 @@ pub fn check_folder(folder: &Path) -> Result<(), SimulateError> {
     }
 }
 
-/// A person may have written into the capture file what only they know, or `calibrate --write` what it measured.
+/// The user may have written into the capture file what only they know, or `calibrate --write` what it measured.
 fn refuse_edited(folder: &Path) -> Result<(), SimulateError> {
     let written = |name: &str| folder.join(name).metadata().ok()?.modified().ok();
     // Both are written within a moment.
@@ -164,7 +164,7 @@ fn refuse_foreign_files(folder: &Path, staged: &Path) -> Result<(), SimulateErro
             }
         }
     }
-    // Photos of the same names may be somebody's own: only a simulated set tells its rig.
+    // Photos of the same names may be the user's own: only a simulated set names its rig.
     match files.iter().find(|file| staged.join(file).exists()) {
         Some(file) if !folder.join(RIG).is_file() => Err(foreign(file.clone())),
         _ => Ok(()),

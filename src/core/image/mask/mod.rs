@@ -1,4 +1,4 @@
-//! Which pixels belong to the object.
+//! The pixels that belong to the object.
 
 mod draw;
 

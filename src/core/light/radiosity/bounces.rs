@@ -10,9 +10,9 @@ const SOLVER_PASSES: f32 = 10.0;
 /// Which bounces, for which paints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BounceOptions {
-    /// Albedos, the reference first. Bounces are told apart for the reference; the sum is solved for every one.
+    /// Albedos, the reference first. Bounces are kept apart for the reference; the sum is solved for every one.
     pub albedos: Vec<f64>,
-    /// How many bounces to tell apart.
+    /// How many bounces to keep apart.
     pub bounces: usize,
     /// The solver stops when `|rho E - (I - rho F) B|` falls below this fraction of `|rho E|` (norms weighted by area).
     pub relative_residual: f64,
@@ -40,7 +40,7 @@ impl BounceOptions {
         Ok(check_range("max_iterations", self.max_iterations as f64, self.max_iterations >= 1, "at least 1")?)
     }
 
-    /// The albedo of the bounces that are told apart.
+    /// The albedo of the bounces that are kept apart.
     pub fn reference_albedo(&self) -> f64 {
         self.albedos.first().copied().unwrap_or_default()
     }
@@ -168,7 +168,7 @@ impl<'a> Solver<'a> {
     }
 
     fn run(&mut self, options: &BounceOptions, watch: &dyn Watch) -> Result<BounceReport, RadiosityError> {
-        let mut told = 0.0_f32;
+        let mut reported = 0.0_f32;
         for iterations in 0..=options.max_iterations {
             let residual = self.systems.iter().map(System::relative_residual).fold(0.0, f64::max);
             if residual <= options.relative_residual {
@@ -177,13 +177,13 @@ impl<'a> Solver<'a> {
             if iterations == options.max_iterations {
                 return Err(RadiosityError::NotConverged { residual, iterations });
             }
-            // The residual falls about geometrically, so its logarithm tells how far the way is.
+            // The residual falls about geometrically, so its logarithm is the progress.
             let way = (residual.ln() / options.relative_residual.ln()).clamp(0.0, 1.0) as f32;
-            let from = way.max(told);
-            told = from + (1.0 - from) / SOLVER_PASSES;
+            let from = way.max(reported);
+            reported = from + (1.0 - from) / SOLVER_PASSES;
             watch.progress(from);
             let directions: Vec<Vec<f64>> = self.systems.iter().map(|system| system.direction.clone()).collect();
-            let arriving = self.factors.irradiance(&directions, &Portion { watch, from, to: told })?;
+            let arriving = self.factors.irradiance(&directions, &Portion { watch, from, to: reported })?;
             for (system, arriving) in self.systems.iter_mut().zip(&arriving) {
                 system.step(&self.areas, arriving);
             }

@@ -19,7 +19,7 @@ pub enum Lamp {
     },
     /// A small lamp that shines equally to all sides.
     Point {
-        /// Where it stands.
+        /// Where it is.
         position_mm: Point3<f64>,
         /// Irradiance of a facet at the origin that faces it.
         intensity: f64,
@@ -79,7 +79,7 @@ impl Lamp {
         }
     }
 
-    /// Where it stands; of an area lamp its centre. `None` for a distant lamp.
+    /// Where it is; of an area lamp its centre. `None` for a distant lamp.
     pub fn position_mm(&self) -> Option<Point3<f64>> {
         match self {
             Self::Directional { .. } => None,

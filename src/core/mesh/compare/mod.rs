@@ -1,4 +1,4 @@
-//! How far a mesh is from a reference: rigid alignment, then distances. All lengths in mm.
+//! Comparison of a mesh with a reference: rigid alignment, then distances. All lengths in mm.
 //!
 //! [`align`] finds the rigid motion that lays one mesh onto another (iterative closest point, point to plane);
 //! [`distances`] measures every vertex of one mesh against the surface of the other; [`colour_by_distance`] paints what

@@ -1,4 +1,4 @@
-//! What a person may choose about an alignment.
+//! The options of an alignment.
 
 use nalgebra::{Isometry3, Point3};
 
@@ -13,7 +13,7 @@ pub enum Start {
     CameraFrame,
     /// A known pose, moving to fixed, translation in mm.
     Pose(Isometry3<f64>),
-    /// Points that a person picked: each on the moving mesh, and where it belongs on the fixed one, in mm.
+    /// Points that the user picked: each on the moving mesh, and where it belongs on the fixed one, in mm.
     Pairs(Vec<(Point3<f64>, Point3<f64>)>),
 }
 

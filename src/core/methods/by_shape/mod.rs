@@ -90,7 +90,7 @@ pub enum ByShapeError {
     /// A lamp that cannot be simulated.
     #[error(transparent)]
     Scene(SceneError),
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled")]
     Cancelled,
 }
@@ -167,7 +167,7 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// For people.
+    /// In words.
     pub fn words(self) -> &'static str {
         match self {
             Self::Converged => "converged",

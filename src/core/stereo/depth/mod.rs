@@ -92,7 +92,7 @@ pub enum DepthError {
         /// Residual asked for.
         tolerance: f64,
     },
-    /// Nobody wants the result any more.
+    /// The watch cancelled.
     #[error("the integration was cancelled")]
     Cancelled,
 }

@@ -63,7 +63,7 @@ fn tight() -> DepthOptions {
     DepthOptions { tolerance: 1e-8, ..DepthOptions::default() }
 }
 
-/// Masks of every kind that a person may draw.
+/// Masks of every kind that the user may draw.
 fn masks() -> Vec<Mask> {
     let spiral = |x: i32, y: i32| {
         let ring = (x - 20).abs().max((y - 20).abs());
@@ -312,7 +312,7 @@ fn what_cannot_be_integrated_is_refused() {
 }
 
 #[test]
-fn nobody_waits_for_a_cancelled_job() {
+fn a_cancelled_job_ends_at_once() {
     struct Impatient;
     impl Watch for Impatient {
         fn progress(&self, _fraction: f32) {}

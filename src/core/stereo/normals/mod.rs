@@ -91,7 +91,7 @@ pub enum NormalsError {
     /// Near lamps without a scale.
     #[error("lamps with position_mm need the camera's scale: give mm_per_pixel or a perspective camera")]
     NoScale,
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled")]
     Cancelled,
 }
@@ -170,7 +170,7 @@ impl Normals {
     }
 }
 
-/// What photometric stereo tells of itself. Means run over the solved pixels.
+/// What photometric stereo reports. Means run over the solved pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NormalsReport {
     /// Lights given.

@@ -107,7 +107,7 @@ impl<'a> Stage<'a> {
     }
 
     /// The light that misses the fit the most, if by too much. With four lights all misfits are one number, so that
-    /// nobody can say which light is wrong.
+    /// it is not known which light is wrong.
     fn worst_outlier(&self, samples: &[Sample], scaled: &Vector3<f64>) -> Option<usize> {
         if samples.len() < 5 {
             return None;
