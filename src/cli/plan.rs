@@ -29,24 +29,13 @@ pub struct PlanArgs {
 
 /// The plan, for programs. Angles are means over the pixels that three lamps light.
 #[derive(Debug, Serialize)]
-struct PlanWords {
+struct PlanRecord<'a> {
     scene: String,
     bounces: usize,
     raw_deg: f64,
-    by_frames: Vec<PlanPointWords>,
-    by_ratio: Vec<PlanPointWords>,
+    by_frames: &'a [PlanPoint],
+    by_ratio: &'a [PlanPoint],
     warnings: Vec<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct PlanPointWords {
-    albedos: Vec<f64>,
-    ratio: f64,
-    frames: usize,
-    gain: f64,
-    noise_deg: f64,
-    tail_deg: f64,
-    error_deg: f64,
 }
 
 /// Runs the command.
@@ -64,31 +53,23 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
     let plan = plan?;
     print_warnings(&warnings);
     if args.print.json {
-        print_json(&PlanWords::of(&plan, options.scene.name(), warnings))
+        print_json(&PlanRecord::of(&plan, options.scene.name(), warnings))
     } else {
         let advice = plan_advice(&plan, options.sensor.frames);
         print(&format!("{}\n\n{advice}", text(&plan, options.scene.name())))
     }
 }
 
-impl PlanWords {
-    fn of(plan: &Plan, scene: &str, warnings: Vec<String>) -> Self {
-        let words = |points: &[PlanPoint]| points.iter().map(PlanPointWords::of).collect();
+impl<'a> PlanRecord<'a> {
+    fn of(plan: &'a Plan, scene: &str, warnings: Vec<String>) -> Self {
         Self {
             scene: scene.to_owned(),
             bounces: plan.bounces,
             raw_deg: plan.raw_deg,
-            by_frames: words(&plan.by_frames),
-            by_ratio: words(&plan.by_ratio),
+            by_frames: &plan.by_frames,
+            by_ratio: &plan.by_ratio,
             warnings,
         }
-    }
-}
-
-impl PlanPointWords {
-    fn of(point: &PlanPoint) -> Self {
-        let PlanPoint { ratio, frames, gain, noise_deg, truncation_deg: tail_deg, error_deg, .. } = *point;
-        Self { albedos: point.albedos.clone(), ratio, frames, gain, noise_deg, tail_deg, error_deg }
     }
 }
 

@@ -20,8 +20,8 @@ use firstbounce_core::stereo::normals::NormalsError;
 pub use balls::{BallPicture, LampSpot};
 pub use crosstalk::Crosstalk;
 pub use paper::{
-    Figure3Point, Figure3Words, PUBLISHED, Paper, PaperErrorWords, PaperErrors, PaperOptions, PaperRowWords,
-    PaperWords, PublishedWords, TableRow, paper, paper_html,
+    Figure3Point, PUBLISHED, Paper, PaperErrors, PaperOptions, PaperRecord, PaperRowRecord, PublishedRecord, TableRow,
+    paper, paper_html,
 };
 pub use plan::{Plan, PlanOptions, PlanPoint, plan};
 pub use sensor::Sensor;

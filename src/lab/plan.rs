@@ -7,6 +7,8 @@
 
 use std::f64::consts::PI;
 
+use serde::Serialize;
+
 use super::{LabError, Sensor};
 use firstbounce_core::denoise::{DenoiseOptions, denoise_direct};
 use firstbounce_core::image::evaluate::lit_by_three;
@@ -89,7 +91,7 @@ impl PlanOptions {
 }
 
 /// The error to be expected of one rig. Angles are means over the pixels that three lamps or more light directly.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlanPoint {
     /// The paint.
     pub albedos: Vec<f64>,
@@ -102,6 +104,7 @@ pub struct PlanPoint {
     /// Mean angle by noise alone.
     pub noise_deg: f64,
     /// Mean angle by light of more than m bounces alone.
+    #[serde(rename = "tail_deg")]
     pub truncation_deg: f64,
     /// Mean angle by both.
     pub error_deg: f64,

@@ -18,10 +18,11 @@ use firstbounce_core::separate::{LightPhotos, SeparateOptions, Separation, UNSOL
 use firstbounce_core::stereo::normals::{DirectLight, Lamp as StereoLamp, NormalsOptions, Surface, normals};
 use firstbounce_core::{Camera, Mask, NormalMap, Photo, Plane, Portion, Watch};
 use nalgebra::{Unit, Vector3};
+use serde::Serialize;
 
 use crate::{LabError, Sensor};
 
-pub use report::{Figure3Words, PUBLISHED, PaperErrorWords, PaperRowWords, PaperWords, PublishedWords, paper_html};
+pub use report::{PUBLISHED, PaperRecord, PaperRowRecord, PublishedRecord, paper_html};
 
 /// How finely the scenes are rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,9 +49,9 @@ impl PaperOptions {
 }
 
 /// Mean errors over the pixels that all three lamps light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PaperErrors {
-    /// Normals from the photos as they are.
+    /// Normals from the photos without separation.
     pub raw_deg: f64,
     /// Normals from bounce 1.
     pub separated_deg: f64,
@@ -83,7 +84,7 @@ pub struct TableRow {
 }
 
 /// A point of Figure 3.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figure3Point {
     /// beta: the second albedo over the first.
     pub ratio: f64,

@@ -26,7 +26,7 @@ pub use error::SimulateError;
 pub use lamps::{LampOptions, LampPlace, LampPlaces, NoLamp};
 pub use options::{BallOptions, Exposure, Measures, Scene, SimulateOptions};
 pub use plan::{PlanGrid, plan_advice, plan_rig};
-pub use write::{RigWords, check_folder, write_simulated};
+pub use write::{RigRecord, check_folder, write_simulated};
 
 /// More of the visible surface than this seen from behind is a mesh turned inside out.
 const INSIDE_OUT: f64 = 0.5;
@@ -73,7 +73,7 @@ pub struct SimulatedTruth {
     /// By light: linear light of bounce 1, 2, .. in the reference colour.
     pub bounces: Vec<Vec<Plane>>,
     /// What the lamps and the paint are.
-    pub rig: RigWords,
+    pub rig: RigRecord,
 }
 
 /// A capture set in memory.

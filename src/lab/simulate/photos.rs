@@ -5,7 +5,7 @@ use firstbounce_core::light::scene::{LitPlanes, RenderReport, Rendering};
 use firstbounce_core::sphere::{Ball, Circle, View};
 use firstbounce_core::{Mask, Plane, Projection, Watch};
 
-use super::write::RigWords;
+use super::write::RigRecord;
 use super::{
     BallOptions, Exposure, PreparedScene, SimulateError, SimulateOptions, SimulateReport, Simulated, SimulatedTruth,
     StoredPhoto,
@@ -84,7 +84,7 @@ pub(super) fn photograph(
     let scaled_bounces = |light: &LitPlanes| light.bounces.iter().map(|bounce| scaled(bounce, scale)).collect();
     let truth = SimulatedTruth {
         bounces: rendering.lights.iter().map(scaled_bounces).collect(),
-        rig: RigWords::of(options, &studio.alpha, studio.scale),
+        rig: RigRecord::of(options, &studio.alpha, studio.scale),
         mask: rendering.mask,
         normals: rendering.normals,
         depth_mm: rendering.depth_mm,

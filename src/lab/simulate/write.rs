@@ -14,7 +14,7 @@ use firstbounce_capture::image_file::{ExrLayer, grey8_png, grey16_png, mask_png,
 
 /// `truth/rig.json`: the values that the simulation used.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RigWords {
+pub struct RigRecord {
     /// By light, per colour: intensity over the reference colour's.
     pub alpha: IndexMap<String, Vec<f64>>,
     /// Per colour: albedo over the reference colour's.
@@ -31,7 +31,7 @@ pub struct RigWords {
     pub radiance_to_linear: f64,
 }
 
-impl RigWords {
+impl RigRecord {
     pub(super) fn of(options: &SimulateOptions, alpha: &[Vec<f64>], scale: f64) -> Self {
         let names = || options.lamps.iter().map(|lamp| lamp.name.clone());
         let lamps: Vec<_> = options.lamps.iter().map(|lamp| lamp.lamp()).collect();

@@ -11,8 +11,8 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::Unwatched;
 use firstbounce_core::light::scene::{Lens, Shape};
 use firstbounce_lab::simulate::{
-    BallOptions, Exposure, LampOptions, LampPlace, Measures, PlanGrid, RigWords, Scene, SimulateError, SimulateOptions,
-    Simulated, plan_rig, simulate, write_simulated,
+    BallOptions, Exposure, LampOptions, LampPlace, Measures, PlanGrid, RigRecord, Scene, SimulateError,
+    SimulateOptions, Simulated, plan_rig, simulate, write_simulated,
 };
 use firstbounce_lab::{Crosstalk, Sensor};
 
@@ -34,7 +34,7 @@ fn made(options: &SimulateOptions) -> Simulated {
 }
 
 /// The set on disk, as any command opens it.
-fn written(options: &SimulateOptions, place: &Path) -> (CaptureSet, RigWords) {
+fn written(options: &SimulateOptions, place: &Path) -> (CaptureSet, RigRecord) {
     let simulated = made(options);
     let folder = place.join("set");
     write_simulated(&simulated, &folder).unwrap();
