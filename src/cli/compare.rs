@@ -6,7 +6,7 @@ use anyhow::bail;
 use clap::Args;
 use firstbounce_capture::OutputFolder;
 use firstbounce_capture::mesh_file::{Quality, write_ply};
-use firstbounce_capture::pipeline::{Compared, Laying, compare_meshes, read_comparable};
+use firstbounce_capture::pipeline::{Compared, Registration, compare_meshes, read_comparable};
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::compare::{AlignOptions, Alignment, Comparison, DistanceOptions, colour_by_distance};
 use nalgebra::Isometry3;
@@ -126,9 +126,9 @@ fn refuse_to_replace(heat_map: &Path, inputs: [&PathBuf; 2]) -> anyhow::Result<(
 }
 
 fn measure(args: &CompareArgs, a: &Mesh, b: &Mesh, terminal: &Terminal) -> anyhow::Result<Compared> {
-    let laying = if args.align { Laying::Align(AlignOptions::default()) } else { Laying::AsItCame };
+    let registration = if args.align { Registration::Align(AlignOptions::default()) } else { Registration::None };
     let options = DistanceOptions { limit_mm: args.limit };
-    Ok(compare_meshes(a, b, &laying, &options, (&terminal.job("align"), &terminal.job("measure")))?)
+    Ok(compare_meshes(a, b, &registration, &options, (&terminal.job("align"), &terminal.job("measure")))?)
 }
 
 /// Where A lies: as it came, unless it was laid onto B.

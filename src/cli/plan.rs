@@ -29,24 +29,13 @@ pub struct PlanArgs {
 
 /// The plan, for programs. Angles are means over the pixels that three lamps light.
 #[derive(Debug, Serialize)]
-struct PlanRecord {
+struct PlanRecord<'a> {
     scene: String,
     bounces: usize,
     raw_deg: f64,
-    by_frames: Vec<PlanPointRecord>,
-    by_ratio: Vec<PlanPointRecord>,
+    by_frames: &'a [PlanPoint],
+    by_ratio: &'a [PlanPoint],
     warnings: Vec<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct PlanPointRecord {
-    albedos: Vec<f64>,
-    ratio: f64,
-    frames: usize,
-    gain: f64,
-    noise_deg: f64,
-    tail_deg: f64,
-    error_deg: f64,
 }
 
 /// Runs the command.
@@ -71,30 +60,22 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
     }
 }
 
-impl PlanRecord {
-    fn of(plan: &Plan, scene: &str, warnings: Vec<String>) -> Self {
-        let records = |points: &[PlanPoint]| points.iter().map(PlanPointRecord::of).collect();
+impl<'a> PlanRecord<'a> {
+    fn of(plan: &'a Plan, scene: &str, warnings: Vec<String>) -> Self {
         Self {
             scene: scene.to_owned(),
             bounces: plan.bounces,
             raw_deg: plan.raw_deg,
-            by_frames: records(&plan.by_frames),
-            by_ratio: records(&plan.by_ratio),
+            by_frames: &plan.by_frames,
+            by_ratio: &plan.by_ratio,
             warnings,
         }
     }
 }
 
-impl PlanPointRecord {
-    fn of(point: &PlanPoint) -> Self {
-        let PlanPoint { ratio, frames, gain, noise_deg, tail_deg, error_deg, .. } = *point;
-        Self { albedos: point.albedos.clone(), ratio, frames, gain, noise_deg, tail_deg, error_deg }
-    }
-}
-
 fn text(plan: &Plan, scene: &str) -> String {
     let errors = |point: &PlanPoint| {
-        [point.noise_deg, point.tail_deg, point.error_deg].map(|degrees| format!("{degrees:.2}")).to_vec()
+        [point.noise_deg, point.truncation_deg, point.error_deg].map(|degrees| format!("{degrees:.2}")).to_vec()
     };
     let rows = |heading: &str, points: &[PlanPoint], first: &dyn Fn(&PlanPoint) -> String| {
         let mut rows = vec![row([heading, "gain", "by noise, degrees", "by later bounces", "both"])];

@@ -43,7 +43,7 @@ impl ObjectLevels {
 fn products_of(object: &ObjectPhotos) -> DMatrix<f64> {
     let photos: Vec<_> = object.photos.iter().flatten().collect();
     let pixels = object.mask.data().len();
-    let good = |pixel: &usize| object.mask.data()[*pixel] && photos.iter().all(|photo| photo.marks[*pixel] == 0);
+    let good = |pixel: &usize| object.mask.data()[*pixel] && photos.iter().all(|photo| photo.marks.data()[*pixel] == 0);
     let mut products = DMatrix::zeros(photos.len(), photos.len());
     let mut count = 0.0;
     for pixel in (0..pixels).step_by((pixels / SAMPLED_PIXELS).max(1)).filter(good) {
@@ -137,7 +137,7 @@ mod tests {
     fn the_demo_asks_for_care_because_of_its_tail() {
         let trust = verdict(&demo());
         assert_eq!(trust.level, Level::TakeCare);
-        assert!(matches!(trust.reasons[0].1, Reason::Tail { percent, .. } if (-14.0..-8.0).contains(&percent)));
+        assert!(matches!(trust.reasons[0].1, Reason::Truncation { percent, .. } if (-14.0..-8.0).contains(&percent)));
         assert!((trust.lights[0].gain[0] - 4.13).abs() < 0.02);
     }
 

@@ -5,7 +5,7 @@ use firstbounce_core::light::scene::{LitPlanes, RenderReport, Rendering};
 use firstbounce_core::sphere::{Ball, Circle, View};
 use firstbounce_core::{Mask, Plane, Projection, Watch};
 
-use super::write::RigWords;
+use super::write::RigRecord;
 use super::{
     BallOptions, Exposure, PreparedScene, SimulateError, SimulateOptions, SimulateReport, Simulated, SimulatedTruth,
     StoredPhoto,
@@ -70,7 +70,7 @@ pub(super) fn photograph(
         warnings.push(format!("{lights} lights: bounces can be separated, but normals need three or more"));
     }
     if colours < 2 {
-        warnings.push("one colour cannot tell bounces apart; give two albedos or more".into());
+        warnings.push("one colour cannot separate bounces; give two albedos or more".into());
     }
     let report = SimulateReport {
         scene: options.scene.name().to_owned(),
@@ -84,7 +84,7 @@ pub(super) fn photograph(
     let scaled_bounces = |light: &LitPlanes| light.bounces.iter().map(|bounce| scaled(bounce, scale)).collect();
     let truth = SimulatedTruth {
         bounces: rendering.lights.iter().map(scaled_bounces).collect(),
-        rig: RigWords::of(options, &studio.alpha, studio.scale),
+        rig: RigRecord::of(options, &studio.alpha, studio.scale),
         mask: rendering.mask,
         normals: rendering.normals,
         depth_mm: rendering.depth_mm,
@@ -275,7 +275,7 @@ fn capture_set(studio: &Studio, photos: &[StoredPhoto], spheres: Vec<Sphere>) ->
         direction: None,
         position_mm: lamp.lamp().position_mm().map(|p| [p.x, p.y, p.z]),
     };
-    // What alone tells how dark the paint is, where the other method needs to know.
+    // What alone says how dark the paint is, where the other method needs to know.
     let calibration =
         set::Calibration { grey_albedo: options.balls.map(|balls| balls.grey_albedo), ..set::Calibration::default() };
     let mut set = CaptureSet {

@@ -1,7 +1,7 @@
 //! What the capture sets in ../shared/data hold, as far as calibration needs it.
 
 use firstbounce_core::image::photo::{CLIPPED, DARK};
-use firstbounce_core::{Photo, Plane};
+use firstbounce_core::{Marks, Photo, Plane};
 use image::DynamicImage;
 use nalgebra::Vector3;
 use std::path::Path;
@@ -151,5 +151,6 @@ pub fn cat_directions(data: &Path) -> Vec<Vector3<f64>> {
 
 fn photo((width, height): (usize, usize), linear: Vec<f32>, bad: impl Iterator<Item = (bool, bool)>) -> Photo {
     let marks = bad.map(|(clipped, dark)| u8::from(clipped) * CLIPPED + u8::from(dark) * DARK).collect();
+    let marks = Marks::from_vec(width, height, marks).unwrap();
     Photo { linear: Plane::from_vec(width, height, linear).unwrap(), marks }
 }
