@@ -1,11 +1,8 @@
 //! Stored values become the light that they were made from.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
-mod pictures;
-
 use std::path::PathBuf;
 
+use crate::pictures::{Folder, grey16_tiff};
 use firstbounce_capture::image_file::{
     Corrections, Format, ImageError, ImageFile, LinearOptions, StoredRange, dark_frame, flat_field, linearise,
     linearise_files,
@@ -13,7 +10,6 @@ use firstbounce_capture::image_file::{
 use firstbounce_capture::set::{Channel, Encoding};
 use firstbounce_core::Plane;
 use firstbounce_core::image::photo::{CLIPPED, DARK};
-use pictures::{Folder, grey16_tiff};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use tiff::encoder::Compression;
