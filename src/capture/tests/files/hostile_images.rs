@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use crate::pictures::{Folder, one_of_each};
 use firstbounce_capture::image_file::{ReadOptions, layer_names, read_image, read_image_as};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+
+use crate::pictures::{Folder, one_of_each};
 
 const MAGICS: [&[u8]; 8] = [
     b"\x89PNG\r\n\x1a\n",

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use crate::pictures::*;
 use firstbounce_capture::image_file::{
     Content, ExrLayer, ImageError, ReadOptions, read_image, read_image_as, write_exr,
 };
 use firstbounce_core::Plane;
+
+use crate::pictures::*;
 
 fn message(path: &Path) -> String {
     let text = read_image(path).unwrap_err().to_string();

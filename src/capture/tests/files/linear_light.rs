@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::pictures::{Folder, grey16_tiff};
 use firstbounce_capture::image_file::{
     Corrections, Format, ImageError, ImageFile, LinearOptions, StoredRange, dark_frame, flat_field, linearise,
     linearise_files,
@@ -13,6 +12,8 @@ use firstbounce_core::image::photo::{CLIPPED, DARK};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use tiff::encoder::Compression;
+
+use crate::pictures::{Folder, grey16_tiff};
 
 /// A grey file of one row.
 fn grey(stored: &[f32], maximum: Option<f32>) -> ImageFile {
