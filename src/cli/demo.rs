@@ -28,7 +28,7 @@ pub struct DemoArgs {
 pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let folder = args.out.clone().unwrap_or_else(|| Path::new(OUTPUT_FOLDER).join("demo"));
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
-    let report = solve_into(&set, &folder, &SolveOptions::default(), &OutputOptions::default())?;
+    let report = solve_into(&set, &folder, &SolveOptions::of(&set.shape), &OutputOptions::default())?;
     print_warnings(&report.warnings);
     if args.print.json {
         return print_json(&report);

@@ -30,7 +30,7 @@ impl Default for IndirectOptions {
 }
 
 /// The widest window: beyond it indirect light is not slow any more.
-const LARGEST_RADIUS_PX: usize = 64;
+pub const LARGEST_RADIUS_PX: usize = 64;
 
 impl IndirectOptions {
     /// Whether every option is in its range.
