@@ -6,8 +6,8 @@ use clap::{Args, ValueEnum};
 use firstbounce_capture::pipeline::{AlbedoScale, Method, OutputOptions, SolveOptions, solve, write_solved};
 use firstbounce_capture::report::{NayarWords, Report};
 use firstbounce_capture::{CaptureSet, OutputFolder};
-use firstbounce_core::denoise::IndirectOptions;
-use firstbounce_core::methods::by_shape::NayarOptions;
+use firstbounce_core::denoise::DenoiseOptions;
+use firstbounce_core::methods::by_shape::ByShapeOptions;
 
 use super::output::OutputArgs;
 use super::progress::Terminal;
@@ -39,7 +39,7 @@ pub struct MethodArgs {
     #[arg(long, value_name = "M")]
     bounces: Option<usize>,
     /// Half width of the window in which the noise of indirect light is averaged before normals are found; 0 for none
-    #[arg(long, value_name = "PIXELS", default_value_t = IndirectOptions::default().radius_px)]
+    #[arg(long, value_name = "PIXELS", default_value_t = DenoiseOptions::default().radius_px)]
     indirect_window: usize,
     /// How to take the light apart
     #[arg(long, value_enum, default_value_t = MethodName::Bounces)]
@@ -48,10 +48,10 @@ pub struct MethodArgs {
     #[arg(long, value_name = "ALBEDO")]
     grey_albedo: Option<f64>,
     /// With --method nayar: about how many patches exchange light; time grows with the square
-    #[arg(long, value_name = "N", default_value_t = NayarOptions::default().patches)]
+    #[arg(long, value_name = "N", default_value_t = ByShapeOptions::default().patches)]
     patches: usize,
     /// With --method nayar: stop after so many iterations
-    #[arg(long, value_name = "N", default_value_t = NayarOptions::default().max_iterations)]
+    #[arg(long, value_name = "N", default_value_t = ByShapeOptions::default().max_iterations)]
     iterations: usize,
 }
 
@@ -77,14 +77,15 @@ impl MethodArgs {
 
     /// As the pipeline takes them.
     pub fn options(&self) -> SolveOptions {
-        let indirect = IndirectOptions { radius_px: self.indirect_window, ..IndirectOptions::default() };
+        let denoise = DenoiseOptions { radius_px: self.indirect_window, ..DenoiseOptions::default() };
         let method = match self.method {
             MethodName::Bounces => Method::Bounces,
             MethodName::Nayar => Method::Nayar,
         };
-        let nayar = NayarOptions { patches: self.patches, max_iterations: self.iterations, ..NayarOptions::default() };
+        let nayar =
+            ByShapeOptions { patches: self.patches, max_iterations: self.iterations, ..ByShapeOptions::default() };
         let scale = AlbedoScale { grey_albedo: self.grey_albedo, ..AlbedoScale::default() };
-        SolveOptions { bounces: self.bounces, indirect, method, nayar, scale, ..SolveOptions::default() }
+        SolveOptions { bounces: self.bounces, denoise, method, nayar, scale, ..SolveOptions::default() }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use firstbounce_core::image::evaluate::{lit_by_three, relative_error, rmse_without_offset};
 use firstbounce_core::mesh::LengthUnit;
-use firstbounce_core::methods::by_shape::{Nayar, NayarStep};
+use firstbounce_core::methods::by_shape::{ByShape, ByShapeStep};
 use firstbounce_core::separate::Separation;
 use firstbounce_core::stereo::depth::Depth;
 use firstbounce_core::stereo::shape::Shape;
@@ -13,7 +13,7 @@ use super::truth::{true_normals, true_plane, true_white_light};
 use super::watch::Part;
 use super::{
     Beginning, Calibrated, Direct, Known, Method, NayarSolved, ObjectPhotos, PipelineError, PipelineWatch,
-    SolveOptions, Stage, calibrate_for, camera_of, load_object, quiet_lights, raw_lights, recover, separate_lights,
+    SolveOptions, Stage, calibrate_for, camera_of, denoise_lights, load_object, raw_lights, recover, separate_lights,
     simulate_away, white_light,
 };
 use crate::set::CaptureSet;
@@ -119,7 +119,7 @@ pub fn evaluate(
     let shape = |lights: &[Direct], part: usize| {
         recover(set, &object, &calibrated, lights, &camera, &options.shape, &Part::of(watch, Stage::Shape, part, 3))
     };
-    let quiet = quiet_lights(set, &object, &calibrated, &separated, &options.indirect, watch)?;
+    let quiet = denoise_lights(set, &object, &calibrated, &separated, &options.denoise, watch)?;
     let after = shape(&quiet, 0)?;
     let raw_lights = raw_lights(&object, watch)?;
     let raw = Pseudo { shape: shape(&raw_lights, 1)?, lights: raw_lights };
@@ -187,8 +187,8 @@ struct Pseudo {
 
 /// Nayar's method with every shape on the way.
 struct ByNayar {
-    steps: Vec<(NayarStep, NormalMap)>,
-    found: Nayar,
+    steps: Vec<(ByShapeStep, NormalMap)>,
+    found: ByShape,
     white_light: Known<f64>,
     white_light_source: String,
 }
@@ -199,7 +199,7 @@ impl ByNayar {
         error_of: &dyn Fn(&NormalMap) -> Result<Angles, PipelineError>,
         rmse: &dyn Fn(&Depth) -> Option<f64>,
     ) -> Result<NayarErrors, PipelineError> {
-        let iteration = |(step, normals): &(NayarStep, NormalMap)| {
+        let iteration = |(step, normals): &(ByShapeStep, NormalMap)| {
             Ok(NayarIteration {
                 error_deg: error_of(normals)?,
                 change_deg: step.change_deg,
@@ -250,7 +250,7 @@ fn by_nayar(
     };
     let mut steps = Vec::new();
     let part = Part::of(watch, Stage::Nayar, 0, 1);
-    let mut on_step = |step: &NayarStep, shape: &Shape| steps.push((*step, shape.normals.map.clone()));
+    let mut on_step = |step: &ByShapeStep, shape: &Shape| steps.push((*step, shape.normals.map.clone()));
     let found = simulate_away(set, calibrated, &beginning, &options.nayar, &options.shape, &part, &mut on_step)?;
     Ok(ByNayar { steps, found, white_light, white_light_source })
 }

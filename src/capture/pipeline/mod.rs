@@ -15,10 +15,10 @@ mod truth;
 mod watch;
 
 pub use calibrate::{
-    BallCircle, BallPhotos, Calibrated, Known, Preference, RatioEvidence, Source, Verdict, calibrate, calibrate_for,
-    calibrate_on,
+    BallCircle, BallPhotos, Calibrated, DirectionDoubt, Evidence, Known, Preference, RatioEvidence, Source, Verdict,
+    calibrate, calibrate_for, calibrate_on,
 };
-pub use compare::{Compared, Laying, ReferenceError, alignment_warnings, compare_meshes, read_comparable};
+pub use compare::{Compared, ReferenceError, Registration, alignment_warnings, compare_meshes, read_comparable};
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, NayarErrors, NayarIteration, NormalErrors, evaluate};
@@ -26,7 +26,7 @@ pub use load::{ObjectPhotos, SubjectPhotos, load_object, load_subject};
 pub use nayar::{AlbedoScale, Beginning, Method, NayarSolved, in_one_colour, simulate_away, white_light};
 pub use output::{OutputOptions, write_solved};
 pub use solve::{
-    Direct, Separated, SolveOptions, Solved, Surfaced, camera_of, lamps, quiet_lights, raw_lights, recover,
+    Direct, Separated, SolveOptions, Solved, Surfaced, camera_of, denoise_lights, lamps, raw_lights, recover,
     separate_lights, solve, triangulate,
 };
 pub use survey::{Exposed, region_of, survey, thumbnail};

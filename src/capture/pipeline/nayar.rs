@@ -1,6 +1,8 @@
 //! Nayar's method beside the paper's: one capture colour, the bounces simulated on the shape that was found.
 
-use firstbounce_core::methods::by_shape::{Ending, Nayar, NayarOptions, NayarReport, NayarStep, Photographed, nayar};
+use firstbounce_core::methods::by_shape::{
+    ByShape, ByShapeOptions, ByShapeReport, ByShapeStep, Ending, Photographed, separate_by_shape,
+};
 use firstbounce_core::separate::Separation;
 use firstbounce_core::stereo::shape::{Shape, ShapeOptions};
 use firstbounce_core::trust::TrustOptions;
@@ -56,7 +58,7 @@ pub struct AlbedoScale {
 #[derive(Clone, Debug, PartialEq)]
 pub struct NayarSolved {
     /// Its iterations.
-    pub report: NayarReport,
+    pub report: ByShapeReport,
     /// Linear light of a white facet that faces a lamp of intensity 1, and how that is known.
     pub white_light: Known<f64>,
 }
@@ -64,7 +66,7 @@ pub struct NayarSolved {
 impl NayarSolved {
     /// What a person should know before trusting the surface.
     pub fn warnings(&self, solved_pixels: usize) -> Vec<String> {
-        let NayarReport { steps, chosen, ending, islands, .. } = &self.report;
+        let ByShapeReport { steps, chosen, ending, islands, .. } = &self.report;
         let mut warnings = Vec::new();
         let last = steps.last().copied();
         match (ending, last) {
@@ -175,11 +177,11 @@ pub fn simulate_away(
     set: &CaptureSet,
     calibrated: &Calibrated,
     beginning: &Beginning,
-    options: &NayarOptions,
+    options: &ByShapeOptions,
     shape: &ShapeOptions,
     watch: &dyn firstbounce_core::Watch,
-    on_step: &mut dyn FnMut(&NayarStep, &Shape),
-) -> Result<Nayar, PipelineError> {
+    on_step: &mut dyn FnMut(&ByShapeStep, &Shape),
+) -> Result<ByShape, PipelineError> {
     let lights = direct_lights(beginning.raw, lamps(set, calibrated)?, calibrated);
     let photographed = Photographed {
         lights: &lights,
@@ -187,7 +189,7 @@ pub fn simulate_away(
         camera: beginning.camera,
         white_light: beginning.white_light,
     };
-    Ok(nayar(&photographed, beginning.pseudo_shape, options, shape, watch, on_step)?)
+    Ok(separate_by_shape(&photographed, beginning.pseudo_shape, options, shape, watch, on_step)?)
 }
 
 /// Every stage but the writing of files, by Nayar's method. Bounce 1 of the results is the direct light that it found.
@@ -207,7 +209,7 @@ pub(super) fn solve_by_nayar(
     let mut separated =
         StageCost::measure(&mut stages, Stage::Separate, || separate_lights(set, &object, &calibrated, 1, watch))?;
     let raw = raw_lights(&object, watch)?;
-    let trust_options = TrustOptions { bounces: 1, indirect: options.indirect, ..TrustOptions::default() };
+    let trust_options = TrustOptions { bounces: 1, denoise: options.denoise, ..TrustOptions::default() };
     let trust = judge(set, &ObjectLevels::of(set, &object), &calibrated, &trust_options)?;
 
     let camera = camera_of(set, object.mask.size());
@@ -226,7 +228,7 @@ pub(super) fn solve_by_nayar(
         let part = Part::of(watch, Stage::Nayar, 0, 1);
         simulate_away(set, &calibrated, &beginning, &options.nayar, &options.shape, &part, &mut |_, _| {})
     })?;
-    let Nayar { shape, direct, report } = found;
+    let ByShape { shape, direct, report } = found;
     let direct = replace_bounce_1(&mut separated, &object, raw, direct);
     let mut surface = |shape: Shape| {
         let mesh = StageCost::measure(&mut stages, Stage::Mesh, || triangulate(&shape, &camera, &options.mesh))?;

@@ -1,13 +1,13 @@
 //! Photos and calibration to bounces, surface and mesh.
 
-use firstbounce_core::denoise::{IndirectOptions, IndirectReport, quieten_direct};
+use firstbounce_core::denoise::{DenoiseOptions, DenoiseReport, denoise_direct};
 use firstbounce_core::mesh::{MeshOptions, from_depth};
-use firstbounce_core::methods::by_shape::NayarOptions;
+use firstbounce_core::methods::by_shape::ByShapeOptions;
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, SeparateReport, Separation, separate};
 use firstbounce_core::stereo::normals::{DirectLight, Lamp};
 use firstbounce_core::stereo::shape::{Shape, ShapeOptions, recover_shape};
 use firstbounce_core::trust::{Trust, TrustOptions};
-use firstbounce_core::{Camera, Mesh, Plane, Projection};
+use firstbounce_core::{Camera, Marks, Mesh, Plane, Projection};
 use nalgebra::{Point3, Vector3};
 
 use super::nayar::solve_by_nayar;
@@ -24,7 +24,7 @@ pub struct SolveOptions {
     /// The order m; `None` for the set's own.
     pub bounces: Option<usize>,
     /// The noise of the indirect light.
-    pub indirect: IndirectOptions,
+    pub denoise: DenoiseOptions,
     /// Normals and depth.
     pub shape: ShapeOptions,
     /// Triangles.
@@ -32,7 +32,7 @@ pub struct SolveOptions {
     /// How the light is taken apart.
     pub method: Method,
     /// For Nayar's method.
-    pub nayar: NayarOptions,
+    pub nayar: ByShapeOptions,
     /// For Nayar's method: what makes albedos absolute, before what the set's file gives.
     pub scale: AlbedoScale,
 }
@@ -54,9 +54,9 @@ pub struct Direct {
     /// Its predicted noise.
     pub noise: Option<Plane>,
     /// Marks of the separation.
-    pub marks: Vec<u8>,
+    pub marks: Marks,
     /// How much quieter it became; `None` for light that was not separated.
-    pub report: Option<IndirectReport>,
+    pub report: Option<DenoiseReport>,
 }
 
 impl From<Separation> for Direct {
@@ -113,7 +113,7 @@ fn solve_by_bounces(
     options: &SolveOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Solved, PipelineError> {
-    options.indirect.check()?;
+    options.denoise.check()?;
     let bounces = options.bounces.unwrap_or_else(|| set.bounces());
     let mut stages = Vec::new();
     let object = StageCost::measure(&mut stages, Stage::Load, || load_object(set, watch))?;
@@ -121,10 +121,10 @@ fn solve_by_bounces(
     let separated = StageCost::measure(&mut stages, Stage::Separate, || {
         separate_lights(set, &object, &calibrated, bounces, watch)
     })?;
-    let trust_options = TrustOptions { bounces, indirect: options.indirect, ..TrustOptions::default() };
+    let trust_options = TrustOptions { bounces, denoise: options.denoise, ..TrustOptions::default() };
     let trust = judge(set, &ObjectLevels::of(set, &object), &calibrated, &trust_options)?;
     let direct = StageCost::measure(&mut stages, Stage::Separate, || {
-        quiet_lights(set, &object, &calibrated, &separated, &options.indirect, watch)
+        denoise_lights(set, &object, &calibrated, &separated, &options.denoise, watch)
     })?;
     let raw = StageCost::measure(&mut stages, Stage::Separate, || raw_lights(&object, watch))?;
 
@@ -170,19 +170,19 @@ pub fn separate_lights(
 }
 
 /// Takes most of the noise of the indirect light out of bounce 1.
-pub fn quiet_lights(
+pub fn denoise_lights(
     set: &CaptureSet,
     object: &ObjectPhotos,
     calibrated: &Calibrated,
     separated: &Separated,
-    options: &IndirectOptions,
+    options: &DenoiseOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Vec<Direct>, PipelineError> {
     let beta = calibrated.beta_values()?;
     let quiet = |(l, separation): (usize, &Separation)| {
         let part = Part::of(watch, Stage::Separate, l, separated.lights.len());
         let quiet = with_light(set, object, calibrated, &beta, l, |light| {
-            Ok(quieten_direct(light, separation, options, &part)?)
+            Ok(denoise_direct(light, separation, options, &part)?)
         })?;
         Ok(Direct {
             light: quiet.direct,

@@ -1,6 +1,6 @@
 //! Nayar's method in words and numbers.
 
-use firstbounce_core::methods::by_shape::NayarStep;
+use firstbounce_core::methods::by_shape::ByShapeStep;
 use maud::{Markup, html};
 use serde::Serialize;
 
@@ -62,7 +62,7 @@ impl NayarWords {
 }
 
 impl NayarStepWords {
-    fn of(step: &NayarStep) -> Self {
+    fn of(step: &ByShapeStep) -> Self {
         Self {
             change_deg: step.change_deg,
             mean_albedo: step.mean_albedo,

@@ -37,7 +37,7 @@ impl Panel for Separate {
         order(ui, &document, session);
         let options = TrustOptions {
             bounces: document.set.bounces(),
-            indirect: document.settings.shape.options().indirect,
+            denoise: document.settings.shape.options().denoise,
             ..TrustOptions::default()
         };
         let trust = self.verdict(&document, options, session);

@@ -1,8 +1,8 @@
 //! What a person chooses in the window beyond capture.toml.
 
 use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
-use firstbounce_core::denoise::IndirectOptions;
-use firstbounce_core::methods::by_shape::NayarOptions;
+use firstbounce_core::denoise::DenoiseOptions;
+use firstbounce_core::methods::by_shape::ByShapeOptions;
 use firstbounce_core::stereo::normals::NormalsOptions;
 use firstbounce_core::stereo::shape::ShapeOptions;
 use serde::{Deserialize, Serialize};
@@ -37,15 +37,15 @@ pub struct NayarSettings {
 
 impl Default for NayarSettings {
     fn default() -> Self {
-        let NayarOptions { patches, max_iterations, .. } = NayarOptions::default();
+        let ByShapeOptions { patches, max_iterations, .. } = ByShapeOptions::default();
         Self { compute: false, patches, max_iterations }
     }
 }
 
 impl NayarSettings {
     /// As the pipeline takes them.
-    pub fn options(&self) -> NayarOptions {
-        NayarOptions { patches: self.patches, max_iterations: self.max_iterations, ..NayarOptions::default() }
+    pub fn options(&self) -> ByShapeOptions {
+        ByShapeOptions { patches: self.patches, max_iterations: self.max_iterations, ..ByShapeOptions::default() }
     }
 }
 
@@ -69,7 +69,7 @@ impl Default for ShapeSettings {
     fn default() -> Self {
         let ShapeOptions { normals: NormalsOptions { shadow_fraction, outlier_fraction }, rounds, .. } =
             ShapeOptions::default();
-        let indirect_radius_px = IndirectOptions::default().radius_px;
+        let indirect_radius_px = DenoiseOptions::default().radius_px;
         Self { left_out: Vec::new(), shadow_fraction, outlier_fraction, rounds, indirect_radius_px }
     }
 }
@@ -79,7 +79,7 @@ impl ShapeSettings {
     pub fn options(&self) -> SolveOptions {
         let normals = NormalsOptions { shadow_fraction: self.shadow_fraction, outlier_fraction: self.outlier_fraction };
         SolveOptions {
-            indirect: IndirectOptions { radius_px: self.indirect_radius_px, ..IndirectOptions::default() },
+            denoise: DenoiseOptions { radius_px: self.indirect_radius_px, ..DenoiseOptions::default() },
             shape: ShapeOptions { normals, rounds: self.rounds, ..ShapeOptions::default() },
             ..SolveOptions::default()
         }

@@ -4,7 +4,7 @@ use firstbounce_capture::pipeline::{
     AlbedoScale, Beginning, Known, NayarSolved, camera_of, raw_lights, simulate_away, triangulate, white_light,
 };
 use firstbounce_core::mesh::MeshOptions;
-use firstbounce_core::methods::by_shape::NayarReport;
+use firstbounce_core::methods::by_shape::ByShapeReport;
 use firstbounce_core::stereo::shape::Shape;
 use firstbounce_core::{AngularError, Mesh, Plane};
 
@@ -23,7 +23,7 @@ pub struct ByNayar {
     /// Names of the lights that were used, and the direct light of each.
     pub direct: Vec<(String, Plane)>,
     /// How the iterations went.
-    pub report: NayarReport,
+    pub report: ByShapeReport,
     /// Linear light of a white facet that faces a lamp of intensity 1.
     pub white_light: Known<f64>,
     /// How far its normals are from those of bounce 1; `None` where no pixel has both.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use firstbounce_capture::pipeline::Separated;
 use firstbounce_capture::set::{Shot, Subject, Word};
 use firstbounce_core::stereo::shape::Shape;
-use firstbounce_core::{NormalMap, Plane};
+use firstbounce_core::{Marks, NormalMap, Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -206,7 +206,7 @@ impl Batch {
         for shot in &loaded.shots {
             if let Ok(photo) = &shot.photo {
                 batch.put_ranged(PlaneName::Photo(shot.name.clone()), &photo.linear, shot.range);
-                batch.put_marks(MarksName::Photo(shot.name.clone()), photo.linear.size(), &photo.marks);
+                batch.put_marks(MarksName::Photo(shot.name.clone()), &photo.marks);
             }
         }
         if let Ok(object) = &loaded.object {
@@ -227,8 +227,7 @@ impl Batch {
             if let Some(residual) = &separation.residual {
                 batch.put(PlaneName::Residual(light.clone()), residual);
             }
-            let size = separation.bounces.first().map_or((0, 0), Plane::size);
-            batch.put_marks(MarksName::Separation(light.clone()), size, &separation.marks);
+            batch.put_marks(MarksName::Separation(light.clone()), &separation.marks);
         }
         batch
     }
@@ -263,7 +262,7 @@ impl Batch {
         self.put(PlaneName::Albedo(when), &normals.albedo);
         self.put(PlaneName::NormalNoise(when), &normals.noise_deg);
         self.put(PlaneName::Depth(when), &depth_where_known(shape));
-        self.put_marks(MarksName::Normals(when), normals.map.size(), &normals.marks);
+        self.put_marks(MarksName::Normals(when), &normals.marks);
     }
 
     fn put(&mut self, name: PlaneName, plane: &Plane) {
@@ -274,10 +273,8 @@ impl Batch {
         self.planes.push((name, Arc::new(plane.clone()), range));
     }
 
-    fn put_marks(&mut self, name: MarksName, size: (usize, usize), marks: &[u8]) {
-        if let Some(marks) = CanvasMarks::new(size, Arc::new(marks.to_vec())) {
-            self.marks.push((name, marks));
-        }
+    fn put_marks(&mut self, name: MarksName, marks: &Marks) {
+        self.marks.push((name, CanvasMarks::new(marks.clone())));
     }
 }
 

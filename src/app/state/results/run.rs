@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
     BallPhotos, Calibrated, Direct, ObjectLevels, ObjectPhotos, PipelineError, Preference, Separated, calibrate_on,
-    camera_of, judge, load_object, load_subject, quiet_lights, raw_lights, recover, separate_lights, triangulate,
+    camera_of, denoise_lights, judge, load_object, load_subject, raw_lights, recover, separate_lights, triangulate,
 };
 use firstbounce_capture::set::{Colour, Light, Shot, Subject};
 use firstbounce_core::mesh::MeshOptions;
@@ -198,9 +198,9 @@ pub fn shape(
     let object = loaded.object.as_ref().map_err(Clone::clone)?;
     let (set, calibrated) = (&document.set, &calibration.calibrated);
     let options = document.settings.shape.options();
-    let direct = quiet_lights(set, object, calibrated, separated, &options.indirect, job).map_err(line)?;
+    let direct = denoise_lights(set, object, calibrated, separated, &options.denoise, job).map_err(line)?;
     let bounces = separated.reports.first().map_or(1, |report| report.bounces);
-    let trust_options = TrustOptions { bounces, indirect: options.indirect, ..TrustOptions::default() };
+    let trust_options = TrustOptions { bounces, denoise: options.denoise, ..TrustOptions::default() };
     let trust = judge(set, &loaded.levels, calibrated, &trust_options).map_err(line)?;
     let raw = raw_lights(object, job).map_err(line)?;
     let camera = camera_of(set, object.mask.size());
