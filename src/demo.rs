@@ -1,4 +1,4 @@
-//! The demo set, which the program carries within itself.
+//! The demo: a rendered capture set that the program carries within itself.
 
 use std::path::Path;
 

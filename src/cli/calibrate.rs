@@ -39,7 +39,7 @@ pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     terminal.finish();
     let mut calibrated = calibrated?;
     if let Some(carried) = &carried {
-        tell_source(&set, carried, &mut calibrated);
+        mark_source(&set, carried, &mut calibrated);
     }
     let words = CalibrationRecord::of(&set, &calibrated);
     if args.write {
@@ -54,8 +54,8 @@ fn take_lights(set: &mut CaptureSet, path: &Path) -> anyhow::Result<CarriedLight
     Ok(LightFile::read(path)?.put_into(set, path)?)
 }
 
-/// Tells the light file's directions from those that capture.toml gives.
-fn tell_source(set: &CaptureSet, carried: &CarriedLights, calibrated: &mut Calibrated) {
+/// Marks directions of the light file apart from those that capture.toml gives.
+fn mark_source(set: &CaptureSet, carried: &CarriedLights, calibrated: &mut Calibrated) {
     for (light, known) in set.lights.iter().zip(&mut calibrated.direction) {
         if let Some(known) = known.as_mut().filter(|_| carried.lights.contains(&light.name)) {
             known.source = Source::LightFile;

@@ -6,7 +6,7 @@ use anyhow::bail;
 use clap::Args;
 use firstbounce_capture::OutputFolder;
 use firstbounce_capture::mesh_file::{Quality, write_ply};
-use firstbounce_capture::pipeline::{Compared, Laying, compare_meshes, read_comparable};
+use firstbounce_capture::pipeline::{Compared, Registration, compare_meshes, read_comparable};
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::compare::{AlignOptions, Alignment, Comparison, DistanceOptions, colour_by_distance};
 use nalgebra::Isometry3;
@@ -52,7 +52,7 @@ fn ply_path(text: &str) -> Result<PathBuf, String> {
 
 /// The numbers of a comparison: A onto B.
 #[derive(Debug, Serialize)]
-struct CompareWords {
+struct CompareRecord {
     mean_mm: f64,
     bias_mm: f64,
     rms_mm: f64,
@@ -64,13 +64,13 @@ struct CompareWords {
     translation_mm: [f64; 3],
     /// Row by row, for column vectors.
     matrix: [[f64; 4]; 4],
-    alignment: Option<AlignmentWords>,
+    alignment: Option<AlignmentRecord>,
     warnings: Vec<String>,
 }
 
 /// How A was laid onto B.
 #[derive(Debug, Serialize)]
-struct AlignmentWords {
+struct AlignmentRecord {
     rms_mm: f64,
     overlap: f64,
     reach_mm: f64,
@@ -78,11 +78,11 @@ struct AlignmentWords {
     searched: bool,
     condition: f64,
     free_motions: Vec<String>,
-    iterations: Vec<IterationWords>,
+    iterations: Vec<IterationRecord>,
 }
 
 #[derive(Debug, Serialize)]
-struct IterationWords {
+struct IterationRecord {
     level: usize,
     samples: usize,
     pairs: usize,
@@ -107,11 +107,11 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
     let written = heat_map.map_or(Ok(()), |heat_map| heat_map.write(&a, alignment.as_ref(), &comparison));
     warnings.extend(of_alignment);
     print_warnings(&warnings);
-    let words = CompareWords::of(&comparison, alignment.as_ref(), warnings);
+    let record = CompareRecord::of(&comparison, alignment.as_ref(), warnings);
     if args.print.json {
-        print_json(&words)?
+        print_json(&record)?
     } else {
-        print(&text(args, &words))?
+        print(&text(args, &record))?
     }
     written
 }
@@ -126,9 +126,9 @@ fn refuse_to_replace(heat_map: &Path, inputs: [&PathBuf; 2]) -> anyhow::Result<(
 }
 
 fn measure(args: &CompareArgs, a: &Mesh, b: &Mesh, terminal: &Terminal) -> anyhow::Result<Compared> {
-    let laying = if args.align { Laying::Align(AlignOptions::default()) } else { Laying::AsItCame };
+    let registration = if args.align { Registration::Align(AlignOptions::default()) } else { Registration::None };
     let options = DistanceOptions { limit_mm: args.limit };
-    Ok(compare_meshes(a, b, &laying, &options, (&terminal.job("align"), &terminal.job("measure")))?)
+    Ok(compare_meshes(a, b, &registration, &options, (&terminal.job("align"), &terminal.job("measure")))?)
 }
 
 /// Where A lies: as it came, unless it was laid onto B.
@@ -165,7 +165,7 @@ impl HeatMap {
     }
 }
 
-impl CompareWords {
+impl CompareRecord {
     fn of(comparison: &Comparison, alignment: Option<&Alignment>, warnings: Vec<String>) -> Self {
         let matrix = &comparison.matrix;
         Self {
@@ -179,15 +179,15 @@ impl CompareWords {
             rotation_deg: comparison.rotation_deg,
             translation_mm: comparison.translation_mm.into(),
             matrix: std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)])),
-            alignment: alignment.map(AlignmentWords::of),
+            alignment: alignment.map(AlignmentRecord::of),
             warnings,
         }
     }
 }
 
-impl AlignmentWords {
+impl AlignmentRecord {
     fn of(alignment: &Alignment) -> Self {
-        let iterations = alignment.iterations.iter().map(|step| IterationWords {
+        let iterations = alignment.iterations.iter().map(|step| IterationRecord {
             level: step.level,
             samples: step.samples,
             pairs: step.pairs,
@@ -207,22 +207,22 @@ impl AlignmentWords {
     }
 }
 
-fn text(args: &CompareArgs, words: &CompareWords) -> String {
+fn text(args: &CompareArgs, record: &CompareRecord) -> String {
     let mm = |name: &str, value: f64| row([name, &format!("{value:.4} mm")]);
-    let [x, y, z] = words.translation_mm;
+    let [x, y, z] = record.translation_mm;
     let mut rows = vec![
         row([&args.a.display().to_string(), &format!("onto {}", args.b.display())]),
-        mm("mean distance", words.mean_mm),
-        mm("mean signed distance", words.bias_mm),
-        mm("rms distance", words.rms_mm),
-        mm("95 % are closer than", words.p95_mm),
-        mm("largest distance", words.max_mm),
-        row(["overlap", &format!("{:.1} %", 100.0 * words.overlap)]),
-        row(["mean orientation error", &format!("{:.2} degrees", words.orientation_error_deg)]),
-        row(["rotation", &format!("{:.3} degrees", words.rotation_deg)]),
+        mm("mean distance", record.mean_mm),
+        mm("mean signed distance", record.bias_mm),
+        mm("rms distance", record.rms_mm),
+        mm("95 % are closer than", record.p95_mm),
+        mm("largest distance", record.max_mm),
+        row(["overlap", &format!("{:.1} %", 100.0 * record.overlap)]),
+        row(["mean orientation error", &format!("{:.2} degrees", record.orientation_error_deg)]),
+        row(["rotation", &format!("{:.3} degrees", record.rotation_deg)]),
         row(["translation", &format!("{x:.4}, {y:.4}, {z:.4} mm")]),
     ];
-    if let Some(alignment) = &words.alignment {
+    if let Some(alignment) = &record.alignment {
         let rms: Vec<_> = alignment.iterations.iter().map(|step| format!("{:.3}", step.rms_mm)).collect();
         rows.push(row(["rms of each iteration", &format!("{} mm", rms.join(" "))]));
     }

@@ -7,10 +7,8 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
 
 use super::solve::{OUTPUT_FOLDER, solve_into, summary};
-use crate::app::{self, Start};
+use super::{PrintArgs, print, print_json, print_warnings, window};
 use crate::demo::unpack;
-
-use super::{PrintArgs, print, print_json, print_warnings};
 
 #[derive(Args, Debug)]
 pub struct DemoArgs {
@@ -34,5 +32,5 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
         return print_json(&report);
     }
     print(&summary(&report, &folder))?;
-    if args.no_window || !app::has_display() { Ok(()) } else { app::run(Start::Set(set.folder)) }
+    if args.no_window || !window::can_open() { Ok(()) } else { window::open(Some(set.folder)) }
 }

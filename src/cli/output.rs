@@ -1,4 +1,4 @@
-//! What to write: the flags of `solve` that the Export step of the window has too.
+//! Output options: the flags of `solve` that the Export step of the window has too.
 
 use clap::{Args, ValueEnum};
 use firstbounce_capture::image_file::{GreenAxis, GreyBits};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firstbounce_capture::OutputFolder;
-use firstbounce_lab::{PaperOptions, PaperRowWords, PaperWords, paper, paper_html};
+use firstbounce_lab::{PaperOptions, PaperRecord, PaperRowRecord, paper, paper_html};
 
 use super::progress::Terminal;
 use super::solve::OUTPUT_FOLDER;
@@ -40,13 +40,13 @@ pub fn run(args: &PaperArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
     let found = paper(&options, &terminal.job("paper"));
     terminal.finish();
-    let words = PaperWords::of(&found?, &options);
+    let words = PaperRecord::of(&found?, &options);
     std::fs::write(staged, paper_html(&words))?;
     output.commit()?;
     if args.print.json { print_json(&words) } else { print(&text(&words, &page)) }
 }
 
-fn text(words: &PaperWords, page: &Path) -> String {
+fn text(words: &PaperRecord, page: &Path) -> String {
     let mut rows = vec![row([
         "scene",
         "light",
@@ -78,7 +78,7 @@ fn text(words: &PaperWords, page: &Path) -> String {
     )
 }
 
-fn table_row(words: &PaperRowWords) -> Vec<String> {
+fn table_row(words: &PaperRowRecord) -> Vec<String> {
     let published = words.published();
     let degrees = |value: Option<f64>| value.map_or_else(|| "-".into(), |value| format!("{value:.2}"));
     let levels = |error: f64, mean: f64| format!("{error:.2} levels of {mean:.0}");

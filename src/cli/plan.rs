@@ -29,24 +29,13 @@ pub struct PlanArgs {
 
 /// The plan, for programs. Angles are means over the pixels that three lamps light.
 #[derive(Debug, Serialize)]
-struct PlanWords {
+struct PlanRecord<'a> {
     scene: String,
     bounces: usize,
     raw_deg: f64,
-    by_frames: Vec<PlanPointWords>,
-    by_ratio: Vec<PlanPointWords>,
+    by_frames: &'a [PlanPoint],
+    by_ratio: &'a [PlanPoint],
     warnings: Vec<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct PlanPointWords {
-    albedos: Vec<f64>,
-    ratio: f64,
-    frames: usize,
-    gain: f64,
-    noise_deg: f64,
-    tail_deg: f64,
-    error_deg: f64,
 }
 
 /// Runs the command.
@@ -64,37 +53,29 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
     let plan = plan?;
     print_warnings(&warnings);
     if args.print.json {
-        print_json(&PlanWords::of(&plan, options.scene.name(), warnings))
+        print_json(&PlanRecord::of(&plan, options.scene.name(), warnings))
     } else {
         let advice = plan_advice(&plan, options.sensor.frames);
         print(&format!("{}\n\n{advice}", text(&plan, options.scene.name())))
     }
 }
 
-impl PlanWords {
-    fn of(plan: &Plan, scene: &str, warnings: Vec<String>) -> Self {
-        let words = |points: &[PlanPoint]| points.iter().map(PlanPointWords::of).collect();
+impl<'a> PlanRecord<'a> {
+    fn of(plan: &'a Plan, scene: &str, warnings: Vec<String>) -> Self {
         Self {
             scene: scene.to_owned(),
             bounces: plan.bounces,
             raw_deg: plan.raw_deg,
-            by_frames: words(&plan.by_frames),
-            by_ratio: words(&plan.by_ratio),
+            by_frames: &plan.by_frames,
+            by_ratio: &plan.by_ratio,
             warnings,
         }
     }
 }
 
-impl PlanPointWords {
-    fn of(point: &PlanPoint) -> Self {
-        let PlanPoint { ratio, frames, gain, noise_deg, tail_deg, error_deg, .. } = *point;
-        Self { albedos: point.albedos.clone(), ratio, frames, gain, noise_deg, tail_deg, error_deg }
-    }
-}
-
 fn text(plan: &Plan, scene: &str) -> String {
     let errors = |point: &PlanPoint| {
-        [point.noise_deg, point.tail_deg, point.error_deg].map(|degrees| format!("{degrees:.2}")).to_vec()
+        [point.noise_deg, point.truncation_deg, point.error_deg].map(|degrees| format!("{degrees:.2}")).to_vec()
     };
     let rows = |heading: &str, points: &[PlanPoint], first: &dyn Fn(&PlanPoint) -> String| {
         let mut rows = vec![row([heading, "gain", "by noise, degrees", "by later bounces", "both"])];
@@ -107,7 +88,7 @@ fn text(plan: &Plan, scene: &str) -> String {
     };
     let mut lines = vec![
         format!(
-            "{scene}, {} bounces separated; normals from the photos as they are: {:.2} degrees off",
+            "{scene}, {} bounces separated; normals before separation: {:.2} degrees off",
             plan.bounces, plan.raw_deg
         ),
         String::new(),

@@ -7,7 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use firstbounce_capture::pipeline::{AlbedoScale, Method, OutputOptions, SolveOptions, solve, write_solved};
 use firstbounce_capture::report::{NayarRecord, Report};
 use firstbounce_capture::{CaptureSet, OutputFolder};
-use firstbounce_core::methods::by_shape::NayarOptions;
+use firstbounce_core::methods::by_shape::ByShapeOptions;
 
 use super::output::OutputArgs;
 use super::progress::Terminal;
@@ -63,10 +63,10 @@ pub struct MethodArgs {
     #[arg(long, value_name = "ALBEDO")]
     grey_albedo: Option<f64>,
     /// With --method nayar: about how many patches exchange light; time grows with the square
-    #[arg(long, value_name = "N", default_value_t = NayarOptions::default().patches)]
+    #[arg(long, value_name = "N", default_value_t = ByShapeOptions::default().patches)]
     patches: usize,
     /// With --method nayar: stop after so many iterations
-    #[arg(long, value_name = "N", default_value_t = NayarOptions::default().max_iterations)]
+    #[arg(long, value_name = "N", default_value_t = ByShapeOptions::default().max_iterations)]
     iterations: usize,
 }
 
@@ -92,7 +92,8 @@ impl MethodArgs {
         if let Some(problem) = asked.check().into_iter().next() {
             anyhow::bail!("{problem}");
         }
-        let nayar = NayarOptions { patches: self.patches, max_iterations: self.iterations, ..NayarOptions::default() };
+        let nayar =
+            ByShapeOptions { patches: self.patches, max_iterations: self.iterations, ..ByShapeOptions::default() };
         let scale = AlbedoScale { grey_albedo: self.grey_albedo, ..AlbedoScale::default() };
         Ok(SolveOptions { bounces: self.bounces, method: self.method, nayar, scale, ..SolveOptions::of(&asked.shape) })
     }

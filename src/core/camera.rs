@@ -1,4 +1,4 @@
-//! How pixels see the object: the projection, its rays, and the way from a depth to a point.
+//! The camera: the projection, its rays, and the way from a depth to a point.
 
 use nalgebra::{Point3, Unit, Vector3};
 

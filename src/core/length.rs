@@ -1,4 +1,4 @@
-//! What lengths are measured in.
+//! Units of length.
 
 /// The unit of a mesh's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

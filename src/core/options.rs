@@ -1,4 +1,4 @@
-//! What every stage's options say of a value that is out of its range.
+//! The range check that the options of all stages share.
 
 use thiserror::Error;
 
@@ -12,4 +12,12 @@ pub struct OptionError {
     pub value: f64,
     /// What it may be.
     pub range: &'static str,
+}
+
+/// Refuses a `value` that is not `in_range`.
+///
+/// # Errors
+/// An [`OptionError`] of the three others.
+pub fn check_range(option: &'static str, value: f64, in_range: bool, range: &'static str) -> Result<(), OptionError> {
+    if in_range { Ok(()) } else { Err(OptionError { option, value, range }) }
 }

@@ -1,10 +1,10 @@
-//! How a long job tells how far it is, and learns that nobody wants it any more.
+//! Progress and cancelling of long work.
 
-/// Watches a long job. Stages call it from any thread, a few hundred times a run at most.
+/// Watches long work. Stages call it from any thread, a few hundred times a run at most.
 pub trait Watch: Sync {
-    /// The job is this far, 0 to 1.
+    /// The work is this far, 0 to 1.
     fn progress(&self, fraction: f32);
-    /// Whether the job should stop; it then returns its `Cancelled` error.
+    /// Whether the work should stop; it then returns its `Cancelled` error.
     fn cancelled(&self) -> bool;
 }
 
@@ -19,7 +19,7 @@ impl Watch for Unwatched {
     }
 }
 
-/// A part of a longer piece of work: its own 0 to 1 is `from` to `to` of the whole.
+/// A part of longer work: its own 0 to 1 is `from` to `to` of the whole.
 #[derive(Clone, Copy)]
 pub struct Portion<'a> {
     /// Watches the whole.
@@ -28,6 +28,19 @@ pub struct Portion<'a> {
     pub from: f32,
     /// Where it ends.
     pub to: f32,
+}
+
+impl<'a> Portion<'a> {
+    /// Part `index` of `count` equal ones.
+    pub fn of(watch: &'a dyn Watch, index: usize, count: usize) -> Self {
+        let count = count.max(1) as f32;
+        Self { watch, from: index as f32 / count, to: (index + 1) as f32 / count }
+    }
+
+    /// Work that can be cancelled and is too short to show: the whole stays at `fraction`.
+    pub fn still(watch: &'a dyn Watch, fraction: f32) -> Self {
+        Self { watch, from: fraction, to: fraction }
+    }
 }
 
 impl Watch for Portion<'_> {

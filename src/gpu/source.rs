@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use firstbounce_core::{Mask, Plane};
+use firstbounce_core::{Marks, Mask, Plane};
 use thiserror::Error;
 
 /// Planes that one picture may be computed from: eight photos and a few to compare with. With marks, mask and colour
@@ -20,7 +20,7 @@ pub struct PlaneKey {
 }
 
 impl PlaneKey {
-    /// A key that nobody else has.
+    /// A unique key.
     pub fn fresh() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self { id: NEXT.fetch_add(1, Ordering::Relaxed), version: 0 }
@@ -35,7 +35,7 @@ impl PlaneKey {
 /// A plane that can be shown.
 #[derive(Clone, Debug)]
 pub struct CanvasPlane {
-    /// Tells whether the card already has these numbers.
+    /// Whether the card already has these numbers.
     pub key: PlaneKey,
     /// The numbers.
     pub plane: Arc<Plane>,
@@ -51,27 +51,26 @@ impl CanvasPlane {
 /// A byte for each pixel: bits that say why it must not be used, or whether it is inside a mask.
 #[derive(Clone, Debug)]
 pub struct CanvasMarks {
-    /// Tells whether the card already has these bytes.
+    /// Whether the card already has these bytes.
     pub key: PlaneKey,
-    pub(super) size: (usize, usize),
-    pub(super) marks: Arc<Vec<u8>>,
+    pub(super) marks: Marks,
 }
 
 impl CanvasMarks {
-    /// Takes rows of marks as they are; `None` if there are not `width * height` of them.
-    pub fn new(size: (usize, usize), marks: Arc<Vec<u8>>) -> Option<Self> {
-        (marks.len() == size.0 * size.1).then(|| Self { key: PlaneKey::fresh(), size, marks })
+    /// Marks that were never shown before.
+    pub fn new(marks: Marks) -> Self {
+        Self { key: PlaneKey::fresh(), marks }
     }
 
     /// 1 inside the mask, 0 outside.
     pub fn of_mask(mask: &Mask) -> Self {
-        let marks = Arc::new(mask.data().iter().map(|&inside| u8::from(inside)).collect());
-        Self { key: PlaneKey::fresh(), size: mask.size(), marks }
+        Self::new(mask.map(u8::from))
     }
 
     /// The byte at column `x`, row `y`, 0 outside.
     pub fn at(&self, x: usize, y: usize) -> u8 {
-        if x < self.size.0 { self.marks.get(y * self.size.0 + x).copied().unwrap_or(0) } else { 0 }
+        let (width, height) = self.marks.size();
+        if x < width && y < height { self.marks.at(x, y) } else { 0 }
     }
 }
 
@@ -288,7 +287,8 @@ impl Source {
     }
 
     fn check_size(&self, marks: &CanvasMarks) -> Result<(), SourceError> {
-        if marks.size == self.size() { Ok(()) } else { Err(SourceError::SizesDiffer(self.size(), marks.size)) }
+        let found = marks.marks.size();
+        if found == self.size() { Ok(()) } else { Err(SourceError::SizesDiffer(self.size(), found)) }
     }
 }
 
@@ -326,7 +326,7 @@ mod tests {
         let unequal = Source::difference(plane(3, 0.0).into(), plane(4, 0.0).into()).unwrap_err();
         assert_eq!(unequal.to_string(), "3x2 and 4x2 pixels cannot be shown in one picture; choose planes of one size");
         assert!(Layer::combination(&[plane(3, 0.0)], &[1.0, 2.0]).is_err());
-        let marks = CanvasMarks::new((2, 2), Arc::new(vec![0; 4])).unwrap();
+        let marks = CanvasMarks::new(Marks::filled(2, 2, 0));
         assert!(Source::plane(plane(3, 0.0)).with_marks(marks).is_err());
     }
 

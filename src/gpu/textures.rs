@@ -136,7 +136,7 @@ impl Textures {
     /// The texture of marks, its upload begun if the card does not have this version.
     pub fn marks(&mut self, marks: &CanvasMarks, wake: &Wake) -> OnCard {
         let format = wgpu::TextureFormat::R8Uint;
-        self.texture(marks.key, marks.size, format, marks.marks.clone(), |marks| marks.as_slice(), wake)
+        self.texture(marks.key, marks.marks.size(), format, Arc::new(marks.marks.clone()), |marks| marks.data(), wake)
     }
 
     /// Allows the transfers of one frame.

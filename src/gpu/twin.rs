@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use firstbounce_core::Plane;
+use firstbounce_core::{Marks, Plane};
 use rayon::prelude::*;
 
 use super::colour::{colour, zebra};
@@ -103,7 +103,7 @@ impl<'a> Twin<'a> {
 }
 
 fn mark_at(marks: &CanvasMarks, [x, y]: [f32; 2]) -> u8 {
-    marks.at((x as usize).min(marks.size.0 - 1), (y as usize).min(marks.size.1 - 1))
+    marks.at((x as usize).min(marks.marks.width() - 1), (y as usize).min(marks.marks.height() - 1))
 }
 
 fn mix(from: [f32; 3], to: [f32; 3], strength: f32) -> [f32; 3] {
@@ -119,9 +119,9 @@ fn reduced_plane(plane: &Arc<Plane>, level: u32) -> Arc<Plane> {
 }
 
 fn reduced_marks(marks: &CanvasMarks, level: u32) -> CanvasMarks {
-    (0..level).fold(marks.clone(), |larger, _| CanvasMarks {
-        key: larger.key,
-        size: level_size(larger.size, 1),
-        marks: Arc::new(halve(larger.size, &larger.marks)),
-    })
+    let reduced = (0..level).fold(marks.marks.clone(), |larger, _| {
+        let (width, height) = level_size(larger.size(), 1);
+        Marks::from_vec(width, height, halve(larger.size(), larger.data())).unwrap_or(larger)
+    });
+    CanvasMarks { key: marks.key, marks: reduced }
 }

@@ -34,7 +34,7 @@ impl Source {
     /// The pixels that are not dimmed; `None` without a mask.
     pub fn inside(&self) -> Option<Mask> {
         let mask = self.mask.as_ref()?;
-        Mask::from_vec(mask.size.0, mask.size.1, mask.marks.par_iter().map(|&inside| inside != 0).collect())
+        Some(mask.marks.map(|inside| inside != 0))
     }
 
     /// Distances in pixels and, for each channel, the numbers along a line; not a number where there is no value.

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::LabError;
 use firstbounce_core::Plane;
+use firstbounce_core::options::check_range;
 
 /// What each channel (row) sees of each lamp colour (column) when all colours flash at once.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,10 +18,10 @@ impl Crosstalk {
             let (rows, columns) = matrix.shape();
             return Err(LabError::CrosstalkShape { rows, columns, colours: rows });
         }
-        match matrix.iter().find(|entry| !entry.is_finite()) {
-            Some(&value) => Err(LabError::BadOption { option: "crosstalk", value, range: "finite" }),
-            None => Ok(Self(matrix)),
+        for &entry in &matrix {
+            check_range("crosstalk", entry, entry.is_finite(), "finite")?;
         }
+        Ok(Self(matrix))
     }
 
     /// Every channel sees its own colour wholly and the fraction `leak` of each other one.

@@ -1,5 +1,5 @@
 //! The lab: photos of rendered scenes by a camera that errs, balls whose pictures are known in closed form, a planner that
-//! foretells the errors of a rig, and the experiments of Liao, Huang and Yang, CVPR 2011, on synthetic scenes.
+//! predicts the errors of a rig, and the experiments of Liao, Huang and Yang, CVPR 2011, on synthetic scenes.
 
 mod balls;
 mod crosstalk;
@@ -10,17 +10,18 @@ pub mod simulate;
 
 use thiserror::Error;
 
-use firstbounce_core::denoise::IndirectError;
+use firstbounce_core::denoise::DenoiseError;
 use firstbounce_core::light::radiosity::RadiosityError;
 use firstbounce_core::light::scene::SceneError;
+use firstbounce_core::options::OptionError;
 use firstbounce_core::separate::SeparateError;
 use firstbounce_core::stereo::normals::NormalsError;
 
 pub use balls::{BallPicture, LampSpot};
 pub use crosstalk::Crosstalk;
 pub use paper::{
-    Figure3Point, Figure3Words, PUBLISHED, Paper, PaperErrorWords, PaperErrors, PaperOptions, PaperRowWords,
-    PaperWords, PublishedWords, TableRow, paper, paper_html,
+    Figure3Point, PUBLISHED, Paper, PaperErrors, PaperOptions, PaperRecord, PaperRowRecord, PublishedRecord, TableRow,
+    paper, paper_html,
 };
 pub use plan::{Plan, PlanOptions, PlanPoint, plan};
 pub use sensor::Sensor;
@@ -29,15 +30,8 @@ pub use sensor::Sensor;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LabError {
     /// An option out of its range.
-    #[error("{option} is {value}; it must be {range}")]
-    BadOption {
-        /// The field of the options.
-        option: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it may be.
-        range: &'static str,
-    },
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// A matrix that does not fit the colours.
     #[error("the crosstalk matrix is {rows} x {columns} for {colours} colours; give one row and one column a colour")]
     CrosstalkShape {
@@ -62,9 +56,9 @@ pub enum LabError {
     /// An experiment's photometric stereo.
     #[error("no normals: {0}")]
     Normals(NormalsError),
-    /// An experiment's quiet direct light.
-    #[error("cannot quieten the direct light: {0}")]
-    Indirect(IndirectError),
+    /// An experiment's denoised direct light.
+    #[error("cannot denoise the direct light: {0}")]
+    Denoise(DenoiseError),
     /// The watcher asked to stop.
     #[error("cancelled")]
     Cancelled,
@@ -94,12 +88,12 @@ impl From<SeparateError> for LabError {
     }
 }
 
-impl From<IndirectError> for LabError {
-    fn from(error: IndirectError) -> Self {
+impl From<DenoiseError> for LabError {
+    fn from(error: DenoiseError) -> Self {
         match error {
-            IndirectError::Cancelled => Self::Cancelled,
-            IndirectError::Separate(error) => error.into(),
-            other => Self::Indirect(other),
+            DenoiseError::Cancelled => Self::Cancelled,
+            DenoiseError::Separate(error) => error.into(),
+            other => Self::Denoise(other),
         }
     }
 }

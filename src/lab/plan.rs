@@ -1,19 +1,22 @@
-//! What a rig can be expected to achieve: the error of the normals against the number of frames and the ratio of albedos.
+//! The plan of a rig: the expected error of the normals against the number of frames and the ratio of albedos.
 //!
-//! The scene is rendered once, small, for every paint in question: form factors do not know the paint. Noise and tail are
-//! then told apart. The tail is what `m` bounces make of light that bounces without end, by separation of pictures without
+//! The scene is rendered once, small, for every paint in question: form factors do not know the paint. Noise and truncation are
+//! then kept apart. The truncation is what `m` bounces make of light that bounces without end, by separation of pictures without
 //! noise. The noise is what the camera model predicts, carried through separation, averaging of the indirect light
 //! ([`firstbounce_core::denoise`]) and photometric stereo.
 
 use std::f64::consts::PI;
 
+use serde::Serialize;
+
 use super::{LabError, Sensor};
-use firstbounce_core::denoise::{IndirectOptions, quieten_direct};
+use firstbounce_core::denoise::{DenoiseOptions, denoise_direct};
 use firstbounce_core::image::evaluate::lit_by_three;
 use firstbounce_core::image::noise::NoiseModel;
 use firstbounce_core::image::photo::CLIPPED;
 use firstbounce_core::light::radiosity::{BounceOptions, FormFactors};
 use firstbounce_core::light::scene::{Lamp, RenderOptions, Rendering, SceneError, render};
+use firstbounce_core::options::check_range;
 use firstbounce_core::separate::{BounceSystem, LightPhotos, SeparateOptions, Separation, check_order, separate};
 use firstbounce_core::stereo::normals::{DirectLight, Normals, NormalsOptions, Surface, normals};
 use firstbounce_core::{Camera, Mask, NormalMap, Photo, Plane, Portion, Projection, Watch};
@@ -35,15 +38,15 @@ pub struct PlanOptions {
     /// The linear light that the brightest pixel of all photos is exposed to, 1 being where it clips.
     pub brightest: f64,
     /// The linear light of a white facet that faces the first lamp in the reference colour: the exposure of the paint as it is,
-    /// instead of `brightest`. Another paint is exposed anew.
+    /// instead of `brightest`. Another paint is exposed by itself.
     pub white: Option<f64>,
     /// Numbers of frames to look at.
     pub frames: Vec<usize>,
     /// Ratios of the last albedo to the first to look at; those between are spread evenly on a log scale. One that would
-    /// need an albedo of 1 or more, or colours too alike to tell the bounces apart, is left out.
+    /// need an albedo of 1 or more, or colours too alike to separate the bounces, is left out.
     pub ratios: Vec<f64>,
     /// How the noise of the indirect light will be averaged.
-    pub indirect: IndirectOptions,
+    pub denoise: DenoiseOptions,
 }
 
 impl Default for PlanOptions {
@@ -58,7 +61,7 @@ impl Default for PlanOptions {
             white: None,
             frames: vec![1, 2, 4, 8, 16, 32, 64],
             ratios: vec![0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95],
-            indirect: IndirectOptions::default(),
+            denoise: DenoiseOptions::default(),
         }
     }
 }
@@ -66,34 +69,29 @@ impl Default for PlanOptions {
 impl PlanOptions {
     /// Whether every option is in its range; lamps and albedos are checked where they are used.
     pub fn check(&self) -> Result<(), LabError> {
-        let bad = |option, value, range| Err(LabError::BadOption { option, value, range });
+        let positive = |value: f64| value > 0.0 && value.is_finite();
         self.sensor.check()?;
-        if !(self.brightest > 0.0 && self.brightest <= 1.0) {
-            return bad("brightest", self.brightest, "above 0 and at most 1");
+        let in_range = self.brightest > 0.0 && self.brightest <= 1.0;
+        check_range("brightest", self.brightest, in_range, "above 0 and at most 1")?;
+        let white = self.white.unwrap_or(1.0);
+        check_range("white", white, positive(white), "more than 0")?;
+        for &frames in &self.frames {
+            check_range("frames", frames as f64, (1..=10_000).contains(&frames), "1 to 10000")?;
         }
-        if let Some(white) = self.white.filter(|white| !(*white > 0.0 && white.is_finite())) {
-            return bad("white", white, "more than 0");
+        for &ratio in &self.ratios {
+            check_range("ratio", ratio, positive(ratio), "more than 0")?;
         }
-        if let Some(&frames) = self.frames.iter().find(|frames| !(1..=10_000).contains(*frames)) {
-            return bad("frames", frames as f64, "1 to 10000");
-        }
-        if let Some(&ratio) = self.ratios.iter().find(|&&ratio| !(ratio > 0.0 && ratio.is_finite())) {
-            return bad("ratio", ratio, "more than 0");
-        }
-        if self.bounces == 0 || self.bounces > self.albedos.len() {
-            return bad("bounces", self.bounces as f64, "1 to the number of albedos");
-        }
+        let in_range = (1..=self.albedos.len()).contains(&self.bounces);
+        check_range("bounces", self.bounces as f64, in_range, "1 to the number of albedos")?;
         let shapely = self.alpha.iter().all(|alpha| alpha.len() == self.albedos.len());
         let one_each = self.alpha.is_empty() || self.alpha.len() == self.lamps.len();
-        if !(shapely && one_each) {
-            return bad("alpha", self.alpha.len() as f64, "one value for each lamp and colour");
-        }
-        Ok(())
+        let lamps = self.alpha.len() as f64;
+        Ok(check_range("alpha", lamps, shapely && one_each, "one value for each lamp and colour")?)
     }
 }
 
 /// The error to be expected of one rig. Angles are means over the pixels that three lamps or more light directly.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlanPoint {
     /// The paint.
     pub albedos: Vec<f64>,
@@ -106,7 +104,8 @@ pub struct PlanPoint {
     /// Mean angle by noise alone.
     pub noise_deg: f64,
     /// Mean angle by light of more than m bounces alone.
-    pub tail_deg: f64,
+    #[serde(rename = "tail_deg")]
+    pub truncation_deg: f64,
     /// Mean angle by both.
     pub error_deg: f64,
 }
@@ -131,7 +130,7 @@ impl Plan {
     }
 }
 
-/// Plans for the surface of `factors` before a camera, which should be small: 48 pixels across tell enough.
+/// Plans for the surface of `factors` before a camera, which should be small: 48 pixels across are enough.
 pub fn plan(
     factors: &FormFactors,
     camera: &Camera,
@@ -232,17 +231,17 @@ struct Scene<'a> {
 /// Angles of single pixels, in radians.
 struct Angles {
     gain: f64,
-    /// By noise of a single frame, and by the tail.
+    /// By noise of a single frame, and by the truncation.
     pixels: Vec<(f64, f64)>,
 }
 
 impl Angles {
-    /// The mean of a normally distributed turn is sqrt(pi)/2 of its root mean square, and turns at random add to the tail
+    /// The mean of a normally distributed turn is sqrt(pi)/2 of its root mean square, and turns at random add to the truncation
     /// by squares.
     fn point(&self, paint: &Paint, frames: usize) -> PlanPoint {
         let share = PI.sqrt() / 2.0 / (frames as f64).sqrt();
         let mean = |of: &dyn Fn(f64, f64) -> f64| {
-            let sum: f64 = self.pixels.iter().map(|&(noise, tail)| of(noise * share, tail)).sum();
+            let sum: f64 = self.pixels.iter().map(|&(noise, truncation)| of(noise * share, truncation)).sum();
             (sum / self.pixels.len().max(1) as f64).to_degrees()
         };
         PlanPoint {
@@ -251,7 +250,7 @@ impl Angles {
             frames,
             gain: self.gain,
             noise_deg: mean(&|noise, _| noise),
-            tail_deg: mean(&|_, tail| tail),
+            truncation_deg: mean(&|_, truncation| truncation),
             error_deg: mean(&f64::hypot),
         }
     }
@@ -273,7 +272,7 @@ impl Scene<'_> {
         let photo = |plane: &Plane, factor: f64| {
             let mut linear = plane.clone();
             linear.data_mut().iter_mut().for_each(|value| *value *= factor as f32);
-            let marks = linear.data().iter().map(|&value| if value >= 1.0 { CLIPPED } else { 0 }).collect();
+            let marks = linear.map(|value| if value >= 1.0 { CLIPPED } else { 0 });
             Photo { linear, marks }
         };
         let row = |(light, alpha): (&firstbounce_core::light::scene::LitPlanes, &Vec<f64>)| {
@@ -301,15 +300,15 @@ impl Scene<'_> {
             if l == 0 {
                 gain = BounceSystem::new(alpha, &beta, &light.typical_sigma(), bounces)?.gain[0];
             }
-            let (separation, _) = separate(&light, &SeparateOptions { bounces }, &Quiet(watch))?;
+            let (separation, _) = separate(&light, &SeparateOptions { bounces }, &Portion::still(watch, 0.0))?;
             // Only its noise is used: in a picture so small a window spans too much of the scene.
-            let quiet = quieten_direct(&light, &separation, &self.options.indirect, &Quiet(watch))?;
-            direct.push((separation, quiet.noise));
+            let denoised = denoise_direct(&light, &separation, &self.options.denoise, &Portion::still(watch, 0.0))?;
+            direct.push((separation, denoised.noise));
         }
         let found = self.normals(&direct, watch)?;
-        let pixels = self.compared(&found.map).map(|(pixel, tail)| {
+        let pixels = self.compared(&found.map).map(|(pixel, truncation)| {
             let noise = f64::from(found.noise_deg.data()[pixel]).to_radians();
-            (noise, tail)
+            (noise, truncation)
         });
         let pixels: Vec<_> = pixels.collect();
         if pixels.is_empty() { Err(LabError::Overexposed) } else { Ok(Angles { gain, pixels }) }
@@ -327,9 +326,9 @@ impl Scene<'_> {
                 beta: &[1.0],
                 mask: &self.rendering.mask,
             };
-            let (separation, _) = separate(&light, &SeparateOptions { bounces: 1 }, &Quiet(watch))?;
-            let quiet = Plane::filled(self.lit.width(), self.lit.height(), 0.0);
-            lights.push((separation, quiet));
+            let (separation, _) = separate(&light, &SeparateOptions { bounces: 1 }, &Portion::still(watch, 0.0))?;
+            let denoised = Plane::filled(self.lit.width(), self.lit.height(), 0.0);
+            lights.push((separation, denoised));
         }
         let found = self.normals(&lights, watch)?;
         let angles: Vec<f64> = self.compared(&found.map).map(|(_, angle)| angle).collect();
@@ -344,7 +343,7 @@ impl Scene<'_> {
             lights.iter().zip(&self.options.lamps).map(|(light, lamp)| direct_light(light, lamp)).collect();
         let has_scale = !matches!(self.camera.projection, Projection::Orthographic { mm_per_pixel: None });
         let surface = Surface { camera: self.camera, depth_mm: has_scale.then_some(&self.rendering.depth_mm) };
-        Ok(normals(&lights, &self.rendering.mask, surface, &NormalsOptions::default(), &Quiet(watch))?.0)
+        Ok(normals(&lights, &self.rendering.mask, surface, &NormalsOptions::default(), &Portion::still(watch, 0.0))?.0)
     }
 
     /// The pixels that count, and how far their normals are off in radians.
@@ -354,17 +353,6 @@ impl Scene<'_> {
             let (found, truth) = (found.at_index(pixel)?, self.rendering.normals.at_index(pixel)?);
             Some((pixel, f64::from(found.angle(&truth))))
         })
-    }
-}
-
-/// Passes on the wish to stop, and no progress: many short stages would make it jump.
-struct Quiet<'a>(&'a dyn Watch);
-
-impl Watch for Quiet<'_> {
-    fn progress(&self, _fraction: f32) {}
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
     }
 }
 

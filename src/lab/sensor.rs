@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::LabError;
 use firstbounce_core::image::photo::CLIPPED;
+use firstbounce_core::options::check_range;
 use firstbounce_core::{Photo, Plane};
 
 /// The largest finite full well: its noise is far below a step of 16 bits, and its photons can still be counted out.
-const MOST_ELECTRONS: f64 = 1e15;
+const MAX_ELECTRONS: f64 = 1e15;
 
 /// A sensor whose stored values run from 0 to `2^bits - 1`, where it clips.
 ///
@@ -63,29 +64,18 @@ impl Sensor {
 
     /// Whether every number is in its range.
     pub fn check(&self) -> Result<(), LabError> {
-        let bad = |option, value, range| Err(LabError::BadOption { option, value, range });
-        if self.full_well_electrons.is_nan() || self.full_well_electrons <= 0.0 {
-            return bad("full_well_electrons", self.full_well_electrons, "more than 0");
-        }
-        if self.full_well_electrons.is_finite() && self.full_well_electrons > MOST_ELECTRONS {
-            return bad("full_well_electrons", self.full_well_electrons, "at most 1e15, or inf for no noise");
-        }
-        if !(self.read_noise_electrons.is_finite() && self.read_noise_electrons >= 0.0) {
-            return bad("read_noise_electrons", self.read_noise_electrons, "0 or more");
-        }
-        if !(1..=16).contains(&self.bits) {
-            return bad("bits", f64::from(self.bits), "1 to 16");
-        }
-        if !(self.black_level >= 0.0 && self.black_level < self.white_level()) {
-            return bad("black_level", self.black_level, "0 or more and below the white level 2^bits - 1");
-        }
-        if !(self.exposure.is_finite() && self.exposure > 0.0) {
-            return bad("exposure", self.exposure, "more than 0");
-        }
-        if !(1..=10_000).contains(&self.frames) {
-            return bad("frames", self.frames as f64, "1 to 10000");
-        }
-        Ok(())
+        let (full_well, read_noise) = (self.full_well_electrons, self.read_noise_electrons);
+        let in_range = full_well > 0.0 && (full_well <= MAX_ELECTRONS || full_well.is_infinite());
+        check_range("full_well_electrons", full_well, in_range, "above 0 and at most 1e15, or inf for no noise")?;
+        let in_range = read_noise.is_finite() && read_noise >= 0.0;
+        check_range("read_noise_electrons", read_noise, in_range, "0 or more")?;
+        check_range("bits", f64::from(self.bits), (1..=16).contains(&self.bits), "1 to 16")?;
+        let in_range = self.black_level >= 0.0 && self.black_level < self.white_level();
+        let range = "0 or more and below the white level 2^bits - 1";
+        check_range("black_level", self.black_level, in_range, range)?;
+        let in_range = self.exposure.is_finite() && self.exposure > 0.0;
+        check_range("exposure", self.exposure, in_range, "more than 0")?;
+        Ok(check_range("frames", self.frames as f64, (1..=10_000).contains(&self.frames), "1 to 10000")?)
     }
 
     /// The stored value where it clips.
@@ -112,7 +102,7 @@ impl Sensor {
     pub fn photograph(&self, light: &Plane, stream: u64) -> Result<Photo, LabError> {
         let mut linear = self.expose(light, stream)?;
         let white = self.white_level();
-        let marks = linear.data().iter().map(|&stored| if f64::from(stored) >= white { CLIPPED } else { 0 }).collect();
+        let marks = linear.map(|stored| if f64::from(stored) >= white { CLIPPED } else { 0 });
         let range = (white - self.black_level) * self.exposure;
         let to_linear = |stored: &mut f32| *stored = ((f64::from(*stored) - self.black_level) / range) as f32;
         linear.data_mut().par_iter_mut().for_each(to_linear);

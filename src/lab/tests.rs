@@ -49,7 +49,7 @@ fn too_much_light_clips_and_is_marked() {
     let light = Plane::from_fn(4, 1, |x, _| [0.2, 0.4, 0.55, 3.0][x]);
     let sensor = Sensor { exposure: 2.0, ..Sensor::noiseless(8) };
     assert_eq!(sensor.expose(&light, 0).unwrap().data(), [102.0, 204.0, 255.0, 255.0]);
-    assert_eq!(sensor.photograph(&light, 0).unwrap().marks, [0, 0, CLIPPED, CLIPPED]);
+    assert_eq!(sensor.photograph(&light, 0).unwrap().marks.data(), [0, 0, CLIPPED, CLIPPED]);
 }
 
 #[test]
@@ -71,7 +71,7 @@ proptest! {
         let sensor = Sensor { black_level: (black * white).round(), exposure, ..Sensor::noiseless(bits) };
         let light = light / exposure;
         let photo = sensor.photograph(&Plane::filled(1, 1, light as f32), 0).unwrap();
-        prop_assume!(photo.marks[0] == 0);
+        prop_assume!(photo.marks.data()[0] == 0);
         let step = 1.0 / (white - sensor.black_level) / exposure;
         prop_assert!((f64::from(photo.linear.at(0, 0)) - light).abs() <= 0.5 * step + 1e-5);
     }
@@ -143,7 +143,7 @@ fn the_highlight_on_a_mirror_ball_points_to_the_lamp() {
 }
 
 #[test]
-fn a_near_lamp_lights_the_side_it_stands_on() {
+fn a_near_lamp_lights_the_side_it_is_on() {
     // The top of the ball, of 10 mm, is 10 mm nearer to a lamp 40 mm above its centre: (40 / 30)^2 brighter than the origin.
     let picture = ball(40.0).matt(&Lamp::Near(Point3::new(0.0, 0.0, 40.0)), 0.3);
     assert!((picture.sample(50.3, 49.6) - 0.3 * (4.0_f64 / 3.0).powi(2)).abs() < 1e-3);
@@ -159,6 +159,6 @@ fn what_is_out_of_range_is_refused() {
         Sensor { exposure: 0.0, ..Sensor::default() },
         Sensor { full_well_electrons: 1e20, ..Sensor::default() },
     ] {
-        assert!(matches!(sensor.photograph(&Plane::filled(1, 1, 0.5), 0), Err(LabError::BadOption { .. })));
+        assert!(matches!(sensor.photograph(&Plane::filled(1, 1, 0.5), 0), Err(LabError::Option(_))));
     }
 }

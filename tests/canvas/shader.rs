@@ -6,7 +6,7 @@ use firstbounce::gpu::{
     CanvasMarks, CanvasPlane, ColourMap, Display, Drawing, Encoding, Layer, Output, Placement, Source, Twin, shade,
 };
 use firstbounce_core::image::photo;
-use firstbounce_core::{Mask, Plane};
+use firstbounce_core::{Marks, Mask, Plane};
 
 use crate::card::float_card;
 
@@ -84,10 +84,10 @@ fn clip_and_negative_zebra() {
 
 #[test]
 fn marks_and_mask() {
-    let marks =
-        (0..SIZE.0 * SIZE.1).map(|i| if i % 7 == 0 { photo::CLIPPED } else { photo::DARK * u8::from(i % 5 == 0) });
+    let mark = |i: usize| if i % 7 == 0 { photo::CLIPPED } else { photo::DARK * u8::from(i % 5 == 0) };
+    let marks = Marks::from_fn(SIZE.0, SIZE.1, |x, y| mark(y * SIZE.0 + x));
     let mask = Mask::from_fn(SIZE.0, SIZE.1, |x, y| x.abs_diff(45) + y.abs_diff(30) < 28);
-    let source = value(light(6)).with_marks(CanvasMarks::new(SIZE, Arc::new(marks.collect())).unwrap()).unwrap();
+    let source = value(light(6)).with_marks(CanvasMarks::new(marks)).unwrap();
     hold_together("marks and mask", &source.with_mask(CanvasMarks::of_mask(&mask)).unwrap(), &Display::default());
 }
 

@@ -9,7 +9,7 @@ use firstbounce::app::state::surfaces::LayerName;
 use firstbounce::app::views::{entries, picture};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Unattended, solve};
-use firstbounce_core::methods::by_shape::NayarOptions;
+use firstbounce_core::methods::by_shape::ByShapeOptions;
 
 use crate::harness::Hands;
 
@@ -63,7 +63,7 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     let set = CaptureSet::open(hands.session().document().set.folder.clone()).unwrap();
     let options = SolveOptions {
         method: Method::Shape,
-        nayar: NayarOptions { patches: PATCHES, max_iterations: ITERATIONS, ..NayarOptions::default() },
+        nayar: ByShapeOptions { patches: PATCHES, max_iterations: ITERATIONS, ..ByShapeOptions::default() },
         scale: AlbedoScale { grey_albedo: Some(0.6), ..AlbedoScale::default() },
         ..SolveOptions::default()
     };

@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use firstbounce_capture::image_file::Format;
+use firstbounce_capture::mesh_file::MeshFormat;
+
 /// What to choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choose {
@@ -28,9 +31,15 @@ pub trait Dialogs: Send + Sync {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SystemDialogs;
 
-const PICTURES: [&str; 7] = ["png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm"];
+/// The endings of the files that a dialog offers, in small and in capital letters: where a system tells the two apart, a
+/// camera's ".JPG" must not be hidden.
+fn endings<'e>(extensions: impl Iterator<Item = &'e str>) -> Vec<String> {
+    extensions.flat_map(|extension| [extension.to_owned(), extension.to_uppercase()]).collect()
+}
 
-const MESHES: [&str; 3] = ["obj", "ply", "stl"];
+fn picture_endings() -> Vec<String> {
+    endings(Format::ALL.iter().flat_map(|format| format.extensions()).copied())
+}
 
 impl Dialogs for SystemDialogs {
     fn ask(&self, choose: Choose, title: &str, near: &Path) -> Vec<PathBuf> {
@@ -40,10 +49,28 @@ impl Dialogs for SystemDialogs {
         }
         match choose {
             Choose::Folder => dialog.pick_folder().into_iter().collect(),
-            Choose::Pictures => dialog.add_filter("Pictures", &PICTURES).pick_files().unwrap_or_default(),
-            Choose::Mesh => dialog.add_filter("Meshes", &MESHES).pick_file().into_iter().collect(),
-            Choose::LightFile => dialog.add_filter("Light files", &["lp"]).pick_file().into_iter().collect(),
+            Choose::Pictures => dialog.add_filter("Pictures", &picture_endings()).pick_files().unwrap_or_default(),
+            Choose::Mesh => {
+                let meshes = endings(MeshFormat::EXTENSIONS.into_iter());
+                dialog.add_filter("Meshes", &meshes).pick_file().into_iter().collect()
+            }
+            Choose::LightFile => {
+                dialog.add_filter("Light files", &endings(["lp"].into_iter())).pick_file().into_iter().collect()
+            }
             Choose::NewFile => dialog.save_file().into_iter().collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dialog_offers_every_picture_that_is_read_in_small_and_capital_letters() {
+        let offered = picture_endings();
+        for ending in ["hdr", "pic", "rgbe", "jpe", "JPG", "TIF"] {
+            assert!(offered.iter().any(|offered| offered == ending), "{ending} in {offered:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The reference scan: loading it, laying the surface onto it, and how far the two are apart.
+//! The reference scan: loading it, registration the surface onto it, and how far the two are apart.
 
 use eframe::egui::{Button, ComboBox, Grid, ProgressBar, RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Line, Plot, Points};

@@ -3,8 +3,8 @@
 use std::borrow::Borrow;
 use std::path::PathBuf;
 
-use firstbounce_core::Plane;
 use firstbounce_core::image::photo::{CLIPPED, DARK};
+use firstbounce_core::{Marks, Plane};
 use rayon::prelude::*;
 
 use super::repeats::Average;
@@ -29,7 +29,7 @@ pub struct Corrections<'a> {
 pub struct DarkFrame {
     level: Plane,
     /// Pixels that clip without light.
-    marks: Vec<u8>,
+    marks: Marks,
     /// Standard deviation of one frame's noise, as a fraction of the range from black to white; `None` from one frame.
     pub noise_floor: Option<f32>,
 }
@@ -40,7 +40,7 @@ pub struct FlatField {
     /// The mean of the flat field over its value; 0 where it is bad.
     inverse: Plane,
     /// Where the flat field is clipped or dark, and photos are so too.
-    marks: Vec<u8>,
+    marks: Marks,
 }
 
 /// Averages dark frames. `options` are those of the photos; the exposure is not divided by.
@@ -77,17 +77,17 @@ pub fn flat_field<I: Borrow<ImageFile>>(
         dark.subtract_from(&mut average);
     }
     let Average { mean: mut inverse, mut marks, first, .. } = average;
-    let lit = inverse.data().par_iter().zip(&marks).filter(|&(_, &mark)| mark & CLIPPED == 0);
+    let lit = inverse.data().par_iter().zip(marks.data()).filter(|&(_, &mark)| mark & CLIPPED == 0);
     let (sum, pixels) = lit
         .map(|(&value, _)| (f64::from(value), 1_usize))
         .reduce(|| (0.0, 0), |left, right| (left.0 + right.0, left.1 + right.1));
     let mean = (sum / pixels.max(1) as f64) as f32;
     let dark_below = (FLAT_DARK * mean).max(0.0);
-    inverse.data_mut().par_iter_mut().zip(&mut marks).for_each(|(value, mark)| {
+    inverse.data_mut().par_iter_mut().zip(marks.data_mut()).for_each(|(value, mark)| {
         *mark |= if *value <= dark_below { DARK } else { 0 };
         *value = if *mark == 0 { mean / *value } else { 0.0 };
     });
-    let bad = marks.par_iter().filter(|&&mark| mark != 0).count() as f64 / marks.len() as f64;
+    let bad = marks.count(u8::MAX) as f64 / marks.data().len() as f64;
     if bad > FLAT_BAD_LIMIT {
         return Err(ImageError::UnusableFlat { path: first, percent: 100.0 * bad });
     }
@@ -115,7 +115,7 @@ impl Corrections<'_> {
 impl FlatField {
     pub(super) fn divide_row(&self, y: usize, light: &mut [f32], marks: &mut [u8]) {
         let inverse = self.inverse.row(y);
-        let bad = &self.marks[y * inverse.len()..];
+        let bad = self.marks.row(y);
         for ((light, mark), (inverse, bad)) in light.iter_mut().zip(marks).zip(inverse.iter().zip(bad)) {
             *light *= inverse;
             *mark |= bad;
@@ -125,8 +125,8 @@ impl FlatField {
 
 impl DarkFrame {
     pub(super) fn subtract_from(&self, average: &mut Average) {
-        let light = average.mean.data_mut().par_iter_mut().zip(&mut average.marks);
-        light.zip(self.level.data()).zip(&self.marks).for_each(|(((light, mark), level), hot)| {
+        let light = average.mean.data_mut().par_iter_mut().zip(average.marks.data_mut());
+        light.zip(self.level.data()).zip(self.marks.data()).for_each(|(((light, mark), level), hot)| {
             *light -= level;
             *mark |= hot;
         });

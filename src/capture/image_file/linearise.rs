@@ -128,8 +128,13 @@ pub fn linearise<I: Borrow<ImageFile>>(
     let noise = average.noise();
     let dark_below = dark_threshold(options, corrections, average.repeats);
     let width = average.mean.width();
-    average.mean.data_mut().par_chunks_mut(width).zip(average.marks.par_chunks_mut(width)).enumerate().for_each(
-        |(y, (light, marks))| {
+    average
+        .mean
+        .data_mut()
+        .par_chunks_mut(width)
+        .zip(average.marks.data_mut().par_chunks_mut(width))
+        .enumerate()
+        .for_each(|(y, (light, marks))| {
             for (light, mark) in light.iter_mut().zip(marks.iter_mut()) {
                 *mark |= if *light < dark_below { DARK } else { 0 };
                 *light /= options.exposure;
@@ -137,8 +142,7 @@ pub fn linearise<I: Borrow<ImageFile>>(
             if let Some(flat) = corrections.flat {
                 flat.divide_row(y, light, marks);
             }
-        },
-    );
+        });
     let photo = Arc::new(Photo { linear: average.mean, marks: average.marks });
     let quantisation_step = average.step / options.exposure;
     Ok(LinearLight {

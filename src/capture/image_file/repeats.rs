@@ -3,8 +3,8 @@
 use std::borrow::Borrow;
 use std::path::PathBuf;
 
-use firstbounce_core::Plane;
 use firstbounce_core::image::photo::CLIPPED;
+use firstbounce_core::{Marks, Plane};
 use rayon::prelude::*;
 
 use super::linearise::Scale;
@@ -40,7 +40,7 @@ pub(super) struct Average {
     pub mean: Plane,
     /// Sum of squared deviations from the mean; `None` before the second repeat.
     spread: Option<Vec<f32>>,
-    pub marks: Vec<u8>,
+    pub marks: Marks,
     pub repeats: usize,
     /// From one stored integer to the next, in the middle of the range; 0 for floats.
     pub step: f32,
@@ -68,8 +68,8 @@ impl Average {
         let scale = Scale::new(options, image)?;
         let (width, height) = image.size();
         let mut mean = Plane::filled(width, height, 0.0);
-        let mut marks = vec![0; width * height];
-        let rows = mean.data_mut().par_chunks_mut(width).zip(marks.par_chunks_mut(width));
+        let mut marks = Marks::filled(width, height, 0);
+        let rows = mean.data_mut().par_chunks_mut(width).zip(marks.data_mut().par_chunks_mut(width));
         rows.enumerate().for_each(|(y, (mean, marks))| scale.row(y, mean, marks));
         let (first, warnings) = (image.path.clone(), image.warnings.clone());
         let step = if image.stored.maximum.is_some() { scale.step() } else { 0.0 };
@@ -83,19 +83,22 @@ impl Average {
         self.repeats += 1;
         let share = 1.0 / self.repeats as f32;
         let width = self.mean.width();
-        let spread = self.spread.get_or_insert_with(|| vec![0.0; self.marks.len()]);
+        let spread = self.spread.get_or_insert_with(|| vec![0.0; self.marks.data().len()]);
         let rows = self.mean.data_mut().par_chunks_mut(width);
-        rows.zip(spread.par_chunks_mut(width)).zip(self.marks.par_chunks_mut(width)).enumerate().for_each_init(
-            || vec![0.0; width],
-            |light, (y, ((means, spreads), marks))| {
-                scale.row(y, light, marks);
-                for ((mean, spread), &light) in means.iter_mut().zip(spreads).zip(light.iter()) {
-                    let change = light - *mean;
-                    *mean += change * share;
-                    *spread += change * (light - *mean);
-                }
-            },
-        );
+        rows.zip(spread.par_chunks_mut(width))
+            .zip(self.marks.data_mut().par_chunks_mut(width))
+            .enumerate()
+            .for_each_init(
+                || vec![0.0; width],
+                |light, (y, ((means, spreads), marks))| {
+                    scale.row(y, light, marks);
+                    for ((mean, spread), &light) in means.iter_mut().zip(spreads).zip(light.iter()) {
+                        let change = light - *mean;
+                        *mean += change * share;
+                        *spread += change * (light - *mean);
+                    }
+                },
+            );
         self.warnings.extend(image.warnings.iter().cloned());
         Ok(())
     }
@@ -107,7 +110,7 @@ impl Average {
         let means = self.mean.data().par_chunks(width);
         let sums = means
             .zip(spread.par_chunks(width))
-            .zip(self.marks.par_chunks(width))
+            .zip(self.marks.data().par_chunks(width))
             .fold(
                 || [NoiseBin::default(); BINS],
                 |mut bins, ((means, spreads), marks)| {

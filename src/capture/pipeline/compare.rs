@@ -1,4 +1,4 @@
-//! A mesh against a reference: reading, laying one onto the other, distances. The command line and the window compare by this.
+//! A mesh against a reference: reading, registering one onto the other, distances. The command line and the window compare by this.
 
 use std::path::Path;
 
@@ -43,9 +43,9 @@ pub fn read_comparable(path: &Path, scale: LengthScale) -> Result<(Mesh, Vec<Str
 
 /// How A is brought to B before distances are taken.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Laying {
-    /// It stays where it came.
-    AsItCame,
+pub enum Registration {
+    /// Not at all: it stays where it is.
+    None,
     /// It is moved by what is known already.
     Known(Isometry3<f64>),
     /// It is aligned.
@@ -73,17 +73,17 @@ const STRANGE_SIZE: f64 = 8.0;
 pub fn compare_meshes(
     a: &Mesh,
     b: &Mesh,
-    laying: &Laying,
+    registration: &Registration,
     options: &DistanceOptions,
     (aligning, measuring): (&dyn Watch, &dyn Watch),
 ) -> Result<Compared, CompareError> {
-    let alignment = match laying {
-        Laying::Align(options) => Some(align(a, b, options, aligning)?),
-        Laying::AsItCame | Laying::Known(_) => None,
+    let alignment = match registration {
+        Registration::Align(options) => Some(align(a, b, options, aligning)?),
+        Registration::None | Registration::Known(_) => None,
     };
-    let pose = match (laying, &alignment) {
+    let pose = match (registration, &alignment) {
         (_, Some(alignment)) => alignment.moving_to_fixed,
-        (Laying::Known(pose), None) => *pose,
+        (Registration::Known(pose), None) => *pose,
         _ => Isometry3::identity(),
     };
     let comparison = distances(a, b, &pose, options, measuring)?;

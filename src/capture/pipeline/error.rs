@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use firstbounce_core::calibrate::CalibrateError;
-use firstbounce_core::denoise::IndirectError;
+use firstbounce_core::denoise::DenoiseError;
 use firstbounce_core::mesh::MeshError;
 use firstbounce_core::mesh::decimate::DecimateError;
-use firstbounce_core::methods::by_shape::NayarError;
+use firstbounce_core::methods::by_shape::ByShapeError;
 use firstbounce_core::separate::SeparateError;
 use firstbounce_core::sphere::BallError;
 use firstbounce_core::stereo::depth::DepthError;
@@ -124,8 +124,8 @@ pub enum PipelineError {
     #[error("cannot separate: {0}")]
     Separate(SeparateError),
     /// The noise of the indirect light.
-    #[error("cannot quieten the direct light: {0}")]
-    Indirect(IndirectError),
+    #[error("cannot denoise the direct light: {0}")]
+    Denoise(DenoiseError),
     /// Photometric stereo.
     #[error("no normals: {0}")]
     Normals(NormalsError),
@@ -164,7 +164,7 @@ pub enum PipelineError {
     },
     /// Nayar's method.
     #[error("Nayar's method: {0}")]
-    Nayar(NayarError),
+    Nayar(ByShapeError),
     /// Triangles.
     #[error("no mesh: {0}")]
     Triangles(#[from] MeshError),
@@ -212,11 +212,11 @@ impl From<SeparateError> for PipelineError {
     }
 }
 
-impl From<IndirectError> for PipelineError {
-    fn from(error: IndirectError) -> Self {
+impl From<DenoiseError> for PipelineError {
+    fn from(error: DenoiseError) -> Self {
         match error {
-            IndirectError::Cancelled => Self::Cancelled,
-            error => Self::Indirect(error),
+            DenoiseError::Cancelled => Self::Cancelled,
+            error => Self::Denoise(error),
         }
     }
 }
@@ -230,11 +230,11 @@ impl From<DecimateError> for PipelineError {
     }
 }
 
-impl From<NayarError> for PipelineError {
-    fn from(error: NayarError) -> Self {
+impl From<ByShapeError> for PipelineError {
+    fn from(error: ByShapeError) -> Self {
         match error {
-            NayarError::Cancelled => Self::Cancelled,
-            NayarError::Shape(error) => error.into(),
+            ByShapeError::Cancelled => Self::Cancelled,
+            ByShapeError::Shape(error) => error.into(),
             error => Self::Nayar(error),
         }
     }

@@ -2,7 +2,7 @@
 
 use firstbounce_core::image::evaluate::{lit_by_three, relative_error, rmse_without_offset};
 use firstbounce_core::mesh::LengthUnit;
-use firstbounce_core::methods::by_shape::NayarStep;
+use firstbounce_core::methods::by_shape::ByShapeStep;
 use firstbounce_core::separate::Separation;
 use firstbounce_core::stereo::depth::{Depth, integrate};
 use firstbounce_core::stereo::shape::Shape;
@@ -263,7 +263,7 @@ impl Other {
 
     fn nayar_errors(&self, judge: &Judge) -> Result<Option<NayarErrors>, PipelineError> {
         let MethodReport::Nayar(NayarSolved { report, white_light }) = &self.report else { return Ok(None) };
-        let iteration = |(step, normals): (&NayarStep, &NormalMap)| {
+        let iteration = |(step, normals): (&ByShapeStep, &NormalMap)| {
             Ok(NayarIteration {
                 error_deg: judge.normals(normals)?,
                 change_deg: step.change_deg,

@@ -17,9 +17,10 @@ mod truth;
 mod watch;
 
 pub use calibrate::{
-    BallCircle, Calibrated, Known, Preference, RatioEvidence, Source, Verdict, calibrate, calibrate_for, calibrate_with,
+    BallCircle, Calibrated, DirectionDoubt, Evidence, Known, Preference, RatioEvidence, Source, Verdict, calibrate,
+    calibrate_for, calibrate_with,
 };
-pub use compare::{Compared, Laying, ReferenceError, alignment_warnings, compare_meshes, read_comparable};
+pub use compare::{Compared, ReferenceError, Registration, alignment_warnings, compare_meshes, read_comparable};
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, MethodErrors, NayarErrors, NayarIteration, NormalErrors, evaluate};

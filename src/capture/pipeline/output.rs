@@ -112,15 +112,13 @@ fn step(watch: &dyn PipelineWatch, index: usize, count: usize) -> Result<(), Pip
 /// One layered file with all of a light's planes, and a file for each bounce.
 fn write_bounces(solved: &Solved, l: usize, light: &str, files: &mut Files) -> Result<(), PipelineError> {
     let separation = &solved.separated.lights[l];
-    let marks = separation.marks.iter().map(|&mark| f32::from(mark)).collect();
-    let size = solved.object.mask.size();
-    let marks = Plane::from_vec(size.0, size.1, marks);
+    let marks = separation.marks.map(f32::from);
     let names: Vec<_> = (1..=separation.bounces.len()).map(|k| format!("bounce{k}")).collect();
     let bounces = names.iter().map(String::as_str).zip(separation.bounces.iter().map(Some));
     let others = [
         ("direct-noise", separation.direct_noise.as_ref()),
         ("residual", separation.residual.as_ref()),
-        ("marks", marks.as_ref()),
+        ("marks", Some(&marks)),
     ];
     let layers: Vec<_> = bounces
         .chain(others)

@@ -3,14 +3,14 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use firstbounce_core::denoise::{IndirectOptions, IndirectReport};
+use firstbounce_core::denoise::{DenoiseOptions, DenoiseReport};
 use firstbounce_core::mesh::{MeshOptions, from_depth};
-use firstbounce_core::methods::by_shape::NayarOptions;
+use firstbounce_core::methods::by_shape::ByShapeOptions;
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, SeparateReport, Separation, separate};
 use firstbounce_core::stereo::normals::NormalsOptions;
 use firstbounce_core::stereo::shape::{Shape, ShapeOptions, recover_shape};
 use firstbounce_core::trust::{Trust, TrustOptions};
-use firstbounce_core::{Camera, Mesh, Plane, Watch};
+use firstbounce_core::{Camera, Marks, Mesh, Plane, Watch};
 
 use super::methods::white_light;
 use super::watch::Part;
@@ -26,7 +26,7 @@ pub struct SolveOptions {
     /// The order m; `None` for the set's own.
     pub bounces: Option<usize>,
     /// The noise of the indirect light.
-    pub indirect: IndirectOptions,
+    pub denoise: DenoiseOptions,
     /// Names of lights that surfaces are recovered without.
     pub left_out: Vec<String>,
     /// Normals and depth.
@@ -36,7 +36,7 @@ pub struct SolveOptions {
     /// How direct light is found.
     pub method: Method,
     /// For Nayar's method.
-    pub nayar: NayarOptions,
+    pub nayar: ByShapeOptions,
     /// For methods that need it: what makes albedos absolute, before what the set's file gives.
     pub scale: AlbedoScale,
 }
@@ -47,7 +47,7 @@ impl SolveOptions {
         let ShapeSettings { leave_out, shadow_share, misfit_share, rounds, indirect_window_px } = shape.clone();
         let normals = NormalsOptions { shadow_fraction: shadow_share, outlier_fraction: misfit_share };
         Self {
-            indirect: IndirectOptions { radius_px: indirect_window_px, ..IndirectOptions::default() },
+            denoise: DenoiseOptions { radius_px: indirect_window_px, ..DenoiseOptions::default() },
             left_out: leave_out,
             shape: ShapeOptions { normals, rounds, ..ShapeOptions::default() },
             ..Self::default()
@@ -61,7 +61,7 @@ impl SolveOptions {
 
     /// What trust is judged by.
     pub fn trust(&self, bounces: usize) -> TrustOptions {
-        TrustOptions { bounces, indirect: self.indirect, ..TrustOptions::default() }
+        TrustOptions { bounces, denoise: self.denoise, ..TrustOptions::default() }
     }
 }
 
@@ -95,9 +95,9 @@ pub struct Direct {
     /// Its predicted noise.
     pub noise: Option<Plane>,
     /// Marks of the separation.
-    pub marks: Vec<u8>,
+    pub marks: Marks,
     /// How much noise it lost; `None` for light that was not denoised.
-    pub report: Option<IndirectReport>,
+    pub report: Option<DenoiseReport>,
 }
 
 /// All results of a set by one method.
@@ -129,7 +129,7 @@ pub struct Solved {
 
 /// Runs every stage but the writing of files.
 pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch) -> Result<Solved, PipelineError> {
-    options.indirect.check()?;
+    options.denoise.check()?;
     let seen = options.method.set_of(set);
     let store = PhotoStore::default();
     let mut stages = Vec::new();

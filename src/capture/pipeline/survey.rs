@@ -31,7 +31,7 @@ impl Exposed {
     pub fn of(photo: &Photo, region: Option<&Mask>) -> Self {
         let size = photo.linear.size();
         let region = region.filter(|region| region.size() == size).map(Mask::data);
-        let pixels = photo.linear.data().par_iter().zip(&photo.marks).enumerate();
+        let pixels = photo.linear.data().par_iter().zip(photo.marks.data()).enumerate();
         let sum = pixels
             .filter(|(index, _)| region.is_none_or(|inside| inside[*index]))
             .map(|(_, (light, mark))| {
@@ -105,8 +105,8 @@ mod tests {
     #[test]
     fn only_the_region_counts() {
         let mut photo = Photo::unmarked(Plane::from_fn(4, 2, |x, _| x as f32));
-        photo.marks[3] = CLIPPED;
-        photo.marks[4] = DARK;
+        photo.marks.data_mut()[3] = CLIPPED;
+        photo.marks.data_mut()[4] = DARK;
         let right = Mask::from_fn(4, 2, |x, _| x >= 2);
         let all = Exposed::of(&photo, None);
         assert_eq!((all.pixels, all.clipped, all.dark, all.mean), (8, 0.125, 0.125, 1.5));

@@ -46,7 +46,7 @@ impl ObjectLevels {
 fn products_of(object: &ObjectPhotos) -> DMatrix<f64> {
     let photos: Vec<_> = object.photos.iter().flatten().collect();
     let pixels = object.mask.data().len();
-    let good = |pixel: &usize| object.mask.data()[*pixel] && photos.iter().all(|photo| photo.marks[*pixel] == 0);
+    let good = |pixel: &usize| object.mask.data()[*pixel] && photos.iter().all(|photo| photo.marks.data()[*pixel] == 0);
     let mut products = DMatrix::zeros(photos.len(), photos.len());
     let mut count = 0.0;
     for pixel in (0..pixels).step_by((pixels / SAMPLED_PIXELS).max(1)).filter(good) {
@@ -140,7 +140,7 @@ mod tests {
     fn the_demo_asks_for_care_because_of_its_tail() {
         let trust = verdict(&demo());
         assert_eq!(trust.level, Level::TakeCare);
-        assert!(matches!(trust.reasons[0].1, Reason::Tail { percent, .. } if (-14.0..-8.0).contains(&percent)));
+        assert!(matches!(trust.reasons[0].1, Reason::Truncation { percent, .. } if (-14.0..-8.0).contains(&percent)));
         assert!((trust.lights[0].gain[0] - 4.13).abs() < 0.02);
     }
 
@@ -160,11 +160,8 @@ mod tests {
     #[test]
     fn the_verdict_foretells_the_error_of_rendered_sets() {
         for (name, bounces) in [("corner-blue", 1), ("corner-blue", 2), ("groove-rgb", 2), ("bowl-four", 2)] {
-            let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
-            let Ok(set) = CaptureSet::open(&folder) else {
-                println!("skipped: no {}", folder.display());
-                continue;
-            };
+            let Some(folder) = firstbounce_testing::shared_set(name) else { continue };
+            let set = CaptureSet::open(&folder).unwrap();
             let options = crate::pipeline::SolveOptions { bounces: Some(bounces), ..Default::default() };
             let truth = evaluate(&set, &options, &Unattended).unwrap();
             let object = load_object(&set, &PhotoStore::default(), &Unattended).unwrap();

@@ -1,6 +1,6 @@
-//! What each part of a set must be by itself, for a file and for a set that a person edits in memory.
+//! Checks of each part of a set by itself, for a file and for a set that the user edits in memory.
 
-use firstbounce_core::denoise::LARGEST_RADIUS_PX;
+use firstbounce_core::denoise::MAX_RADIUS_PX;
 
 use super::model::*;
 use super::problem::{Location, Problem};
@@ -146,23 +146,16 @@ impl Found {
             }
         }
         if light.direction.is_some() && light.position_mm.is_some() {
-            self.add(location, "direction", "given beside position_mm, which already tells it; keep one of the two");
+            self.add(location, "direction", "given beside position_mm, which already implies it; keep one of the two");
         }
     }
 
     fn shot(&mut self, location: Location, shot: &Shot) {
-        let subject = shot.subject.word();
-        match shot.subject {
-            Subject::Object | Subject::GreySphere | Subject::MaterialSphere => {
-                self.present(location, "light", &shot.light, subject);
-                self.present(location, "colour", &shot.colour, subject);
-            }
-            Subject::MirrorSphere => self.present(location, "light", &shot.light, subject),
-            Subject::Dark => {
-                self.absent(location, "light", &shot.light);
-                self.absent(location, "colour", &shot.colour);
-            }
-            Subject::FlatField => {}
+        let subject = shot.subject;
+        for (key, naming, value) in
+            [("light", subject.light(), &shot.light), ("colour", subject.colour(), &shot.colour)]
+        {
+            self.naming(location, subject, (key, naming), value.as_deref());
         }
         if shot.files.is_empty() {
             self.add(location, "files", "expected at least one file path, found none");
@@ -176,15 +169,14 @@ impl Found {
         }
     }
 
-    fn present(&mut self, location: Location, key: &str, value: &Option<String>, subject: &str) {
-        if value.is_none() {
-            self.add(location, key, format!("missing; a shot of {subject:?} needs one"));
-        }
-    }
-
-    fn absent(&mut self, location: Location, key: &str, value: &Option<String>) {
-        if let Some(value) = value {
-            self.add(location, key, format!("a dark frame is taken without one; leave out {value:?}"));
+    fn naming(&mut self, at: Location, subject: Subject, (key, naming): (&str, Naming), value: Option<&str>) {
+        let subject = subject.word();
+        match (naming, value) {
+            (Naming::Required, None) => self.add(at, key, format!("missing; a shot of {subject:?} needs one")),
+            (Naming::Refused, Some(value)) => {
+                self.add(at, key, format!("a shot of {subject:?} is taken without one; leave out {value:?}"));
+            }
+            _ => {}
         }
     }
 
@@ -233,7 +225,7 @@ impl Found {
         if !(1..=MAX_ROUNDS).contains(&shape.rounds) {
             self.add(at, "rounds", format!("expected {ROUNDS}, found {}", shape.rounds));
         }
-        if shape.indirect_window_px > LARGEST_RADIUS_PX {
+        if shape.indirect_window_px > MAX_RADIUS_PX {
             self.add(at, "indirect_window_px", format!("expected {WINDOW}, found {}", shape.indirect_window_px));
         }
     }

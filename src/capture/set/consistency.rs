@@ -1,4 +1,4 @@
-//! What the parts of a set must be to each other.
+//! Consistency of the parts of a set with each other.
 
 use std::collections::{HashMap, HashSet};
 
@@ -79,7 +79,7 @@ impl CaptureSet {
         let lit: HashSet<(Subject, &str)> = taken.iter().map(|(subject, light, _)| (*subject, *light)).collect();
         for (index, light) in self.lights.iter().enumerate() {
             let name = light.name.as_str();
-            for subject in [Subject::Object, Subject::GreySphere, Subject::MaterialSphere] {
+            for &subject in Subject::ALL.iter().filter(|subject| subject.is_matte()) {
                 let word = subject.word();
                 if !lit.contains(&(subject, name)) {
                     if subject == Subject::Object {
@@ -142,30 +142,31 @@ impl CaptureSet {
                 format!("expected {colours} numbers, one per colour, found {}", ratios.len())
             }
             Some(first) if (first - 1.0).abs() > ROUNDING => {
-                format!("expected 1 for the reference colour, which stands first, found {first}")
+                format!("expected 1 for the reference colour, which is first, found {first}")
             }
             _ => return None,
         };
         Some(Problem::of_key(Location::Calibration, key, message))
     }
 
-    /// The pairs of colours whose `beta`, typed or measured, lies within [`CLOSEST_BETA`] of each other.
+    /// The pairs of colours, the first of both first, whose `beta` lies within [`CLOSEST_BETA`] of each other.
+    pub fn colours_alike(&self, beta: &[f64]) -> Vec<[usize; 2]> {
+        let colours = self.colours.len().min(beta.len());
+        let pairs = (0..colours).flat_map(|one| (one + 1..colours).map(move |other| [one, other]));
+        pairs.filter(|&[one, other]| (beta[one] - beta[other]).abs() <= CLOSEST_BETA + ROUNDING).collect()
+    }
+
+    /// A problem for each pair of colours whose `beta`, typed or measured, is too alike.
     pub fn check_beta_distances(&self, beta: &[f64]) -> Vec<Problem> {
-        let named: Vec<(&str, f64)> =
-            self.colours.iter().map(|colour| colour.name.as_str()).zip(beta.iter().copied()).collect();
-        let mut problems = Vec::new();
-        for (index, (one, beta_one)) in named.iter().enumerate() {
-            for (other, beta_other) in named.iter().skip(index + 1) {
-                if (beta_one - beta_other).abs() <= CLOSEST_BETA + ROUNDING {
-                    let message = format!(
-                        "{other:?} ({beta_other}) is within {CLOSEST_BETA} of {one:?} ({beta_one}), too alike to tell \
-                         bounces apart; take lamp colours that the paint reflects more differently"
-                    );
-                    problems.push(Problem::of_key(Location::Calibration, "beta", message));
-                }
-            }
-        }
-        problems
+        let problem = |[one, other]: [usize; 2]| {
+            let message = format!(
+                "{:?} ({}) is within {CLOSEST_BETA} of {:?} ({}), too alike to tell bounces apart; take lamp colours \
+                 that the paint reflects more differently",
+                self.colours[other].name, beta[other], self.colours[one].name, beta[one]
+            );
+            Problem::of_key(Location::Calibration, "beta", message)
+        };
+        self.colours_alike(beta).into_iter().map(problem).collect()
     }
 
     /// Lights that surfaces are recovered without.

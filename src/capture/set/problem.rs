@@ -1,4 +1,4 @@
-//! What is wrong with a capture set, and where.
+//! Problems of a capture set, and where they are.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
@@ -31,7 +31,7 @@ pub enum Location {
 }
 
 impl Location {
-    fn header(self) -> &'static str {
+    pub(super) fn header(self) -> &'static str {
         match self {
             Self::Set => "",
             Self::Camera => "[camera]",

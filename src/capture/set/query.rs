@@ -1,4 +1,4 @@
-//! What the rest of the program asks of a capture set.
+//! Questions that the rest of the program asks of a capture set.
 
 use std::path::{Path, PathBuf};
 
@@ -108,7 +108,7 @@ impl CaptureSet {
         files
     }
 
-    /// The circles in the pictures of `subject`; for [`Subject::Object`] those of balls that stand in the scene.
+    /// The circles in the pictures of `subject`; for [`Subject::Object`] those of balls in the scene.
     pub fn spheres_in(&self, subject: Subject) -> impl Iterator<Item = &Sphere> {
         self.spheres.iter().filter(move |sphere| sphere.subject == subject)
     }
@@ -116,6 +116,13 @@ impl CaptureSet {
     /// The circle of a ball of this kind in the pictures of `subject`.
     pub fn circle(&self, subject: Subject, kind: SphereKind) -> Option<Circle> {
         self.spheres_in(subject).find(|sphere| sphere.kind == kind).map(|sphere| sphere.circle)
+    }
+
+    /// Where a ball of this kind is seen: in shots of its own, or in the object's scene; `None` where the set has none.
+    pub fn subject_with(&self, kind: SphereKind) -> Option<Subject> {
+        let own = kind.subject();
+        let alone = self.shots_of(own).next().map(|_| own);
+        alone.or_else(|| self.circle(Subject::Object, kind).map(|_| Subject::Object))
     }
 
     /// Puts the circle of a ball, in place of one of the same subject and kind if there is one.

@@ -25,7 +25,7 @@ const LARGEST_FILE_BYTES: u64 = 32 << 20;
 /// A set as far as it could be read, and everything that is wrong with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// The set; where a value could not be read, its default stands.
+    /// The set; where a value could not be read, it has its default.
     pub set: CaptureSet,
     /// In the order of the file; empty if the set is right.
     pub problems: Vec<Problem>,
@@ -117,7 +117,7 @@ impl Reading {
     }
 }
 
-fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> CaptureSet {
+pub(super) fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> CaptureSet {
     reader.remember(Location::Set, None, Some(0..0));
     let mut fields = Fields::new(reader, root, Location::Set);
     let schema = fields.require("schema", &format!("schema = {SCHEMA}"), count).unwrap_or(SCHEMA);
@@ -210,7 +210,7 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
         |item: &Item| item.as_str().filter(|word| [ORTHOGRAPHIC, PERSPECTIVE].contains(word)).map(str::to_owned);
     let perspective = match fields.item("projection") {
         None => false,
-        // Of a misspelt projection the keys tell which one was meant.
+        // Of a misspelt projection the keys show which one was meant.
         Some(_) => match fields.get("projection", &expected, known) {
             Some(word) => word == PERSPECTIVE,
             None => fields.item("focal_length_px").is_some(),

@@ -1,4 +1,4 @@
-//! What a value must be: the same words and the same test for the reader and for a set in memory.
+//! Rules for values: the same words and the same test for the reader and for a set in memory.
 
 /// What a number must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,7 @@ pub(super) const POINT: &str = "two numbers [x, y]";
 /// Characters that some system refuses in a file name.
 const NOT_IN_FILE_NAMES: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
 
-/// Why `name` cannot stand in the name of an output file.
+/// Why `name` cannot be part of the name of an output file.
 pub(super) fn unusable_name(name: &str) -> Option<String> {
     if name.is_empty() {
         return Some("expected a name, found \"\"".into());

@@ -14,7 +14,7 @@ use super::problem::SetError;
 use super::read::{FILE_NAME, ORTHOGRAPHIC, PERSPECTIVE, Reading, SCHEMA};
 use super::word::Word;
 
-/// What every new file says even where it is the default, so that a person who reads it need not know the defaults.
+/// Keys that every new file has even at their defaults, so that its reader need not know these.
 const NEW_FILE: &str = "schema = 1\n\n[camera]\nprojection = \"orthographic\"\nencoding = \"linear\"\n";
 
 /// Digits of a measured value: more than any measurement holds, few enough to read.

@@ -22,7 +22,7 @@ fn message(path: &Path) -> String {
 fn what_is_no_image_is_named() {
     let folder = Folder::new();
     assert!(message(&folder.path("missing.png")).contains("cannot be read"));
-    assert!(message(folder.0.path()).contains("not a file"));
+    assert!(message(folder.root()).contains("not a file"));
     assert!(message(&folder.file("empty.png", b"")).contains("empty"));
     let text = message(&folder.file("left.png", b"Hello, world"));
     assert!(text.ends_with(

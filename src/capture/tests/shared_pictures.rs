@@ -7,16 +7,7 @@ use std::path::{Path, PathBuf};
 use firstbounce_capture::image_file::{
     Content, Format, ImageWarning, ReadOptions, read_image, read_image_as, read_mask,
 };
-
-/// The shared sets; `None`, and a line that says so, where they are not at hand.
-fn shared_data() -> Option<PathBuf> {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let found = data.is_dir();
-    if !found {
-        println!("skipped: no {}", data.display());
-    }
-    found.then_some(data)
-}
+use firstbounce_testing::shared_set;
 
 fn pictures_below(folder: &Path, pictures: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -32,7 +23,7 @@ fn pictures_below(folder: &Path, pictures: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_shared_picture_is_read() {
-    let Some(data) = shared_data() else { return };
+    let Some(data) = shared_set("") else { return };
     let mut pictures = Vec::new();
     pictures_below(&data, &mut pictures);
     assert!(pictures.len() > 100, "{}", pictures.len());
@@ -46,7 +37,7 @@ fn every_shared_picture_is_read() {
 
 #[test]
 fn sizes_and_kinds_are_as_known() {
-    let Some(data) = shared_data() else { return };
+    let Some(data) = shared_set("") else { return };
     let known = [
         ("corner-blue/object/left-blue.png", (384, 384), 1, Some(65535.0)),
         ("groove-rgb/object/east.png", (400, 320), 3, Some(65535.0)),

@@ -10,7 +10,7 @@ pub enum DirectionSource {
     Mirror,
     /// The shading of the grey ball.
     Shading,
-    /// A person or a file.
+    /// The user or a file.
     Typed,
     /// The lamp's position in the capture set.
     Position,
@@ -72,7 +72,7 @@ pub struct CombinedDirection {
 ///
 /// Sources that agree with the first are averaged, weighted by the inverse square of their half angles. Two sources
 /// disagree where they differ by more than their half angles together allow, and by more than `floor_deg` (1 degree is
-/// usual: balls are not perfect); the first source then stands alone against that one, and its region is widened to
+/// usual: balls are not perfect); the first source then disagrees with that one alone, and its region is widened to
 /// hold both.
 pub fn combine_directions(sources: &[SourcedDirection], floor_deg: f64) -> Result<CombinedDirection, CalibrateError> {
     let Some(first) = sources.first() else {

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::Photo;
 use crate::interval::{Interval, coverage_factor, jackknife};
+use crate::options::check_range;
 use crate::sphere::Ball;
 use nalgebra::{Matrix3, Vector3, Vector4};
 
@@ -70,19 +71,12 @@ impl ShadingOptions {
 }
 
 pub(super) fn check_circle_sd(value: f64) -> Result<(), CalibrateError> {
-    if !(0.0..1e3).contains(&value) {
-        return Err(CalibrateError::BadOption { option: "circle_sd_px", value, expected: "0 or more" });
-    }
-    Ok(())
+    Ok(check_range("circle_sd_px", value, (0.0..1e3).contains(&value), "from 0 to below 1000")?)
 }
 
 pub(super) fn check_lamp_distance(distance: Option<f64>) -> Result<(), CalibrateError> {
-    match distance {
-        Some(value) if !(1.5..f64::INFINITY).contains(&value) => {
-            Err(CalibrateError::BadOption { option: "lamp_distance_radii", value, expected: "more than 1.5" })
-        }
-        _ => Ok(()),
-    }
+    let value = distance.unwrap_or(f64::MAX);
+    Ok(check_range("lamp_distance_radii", value, (1.5..f64::INFINITY).contains(&value), "at least 1.5")?)
 }
 
 /// A direction from shading and what it was measured on.

@@ -1,6 +1,7 @@
-//! Why a ball cannot be used.
+//! The errors of calibration.
 
 use super::PixelCounts;
+use crate::options::OptionError;
 use crate::sphere::Circle;
 
 /// Why a calibration value could not be measured.
@@ -69,16 +70,9 @@ pub enum CalibrateError {
         /// What was to be measured.
         quantity: &'static str,
     },
-    /// An option is out of its range.
-    #[error("{option} = {value}, but it must be {expected}")]
-    BadOption {
-        /// Name of the field.
-        option: &'static str,
-        /// What was given.
-        value: f64,
-        /// What is allowed.
-        expected: &'static str,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
 }
 
 fn advice(counts: &PixelCounts) -> &'static str {

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::image::photo::CLIPPED;
 use crate::interval::quantile;
+use crate::options::check_range;
 use crate::sphere::{Ball, seen_from_centre};
 use crate::{Photo, Plane};
 use nalgebra::{Matrix3, Vector3};
@@ -36,16 +37,9 @@ impl Default for HighlightOptions {
 impl HighlightOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), CalibrateError> {
-        let bad = |option, value, expected| Err(CalibrateError::BadOption { option, value, expected });
-        if !(0.05..=0.95).contains(&self.min_peak) {
-            return bad("min_peak", self.min_peak, "between 0.05 and 0.95");
-        }
-        if !(0.2..=1.0).contains(&self.max_radii) {
-            return bad("max_radii", self.max_radii, "between 0.2 and 1");
-        }
-        if self.max_candidates == 0 {
-            return bad("max_candidates", 0.0, "1 or more");
-        }
+        check_range("min_peak", self.min_peak, (0.05..=0.95).contains(&self.min_peak), "between 0.05 and 0.95")?;
+        check_range("max_radii", self.max_radii, (0.2..=1.0).contains(&self.max_radii), "between 0.2 and 1")?;
+        check_range("max_candidates", self.max_candidates as f64, self.max_candidates >= 1, "1 or more")?;
         check_circle_sd(self.circle_sd_px)?;
         check_lamp_distance(self.lamp_distance_radii)
     }
@@ -62,7 +56,7 @@ pub struct Highlight {
     pub area_px: usize,
     /// Linear light of its brightest pixel.
     pub peak: f64,
-    /// Whether the peak is clipped, so that only the shape of the core tells the centre.
+    /// Whether the peak is clipped, so that only the shape of the core gives the centre.
     pub clipped: bool,
     /// How many of the other lamps' photos show the same spot nearly as bright: a reflection of the room, not of the
     /// lamp.
@@ -76,7 +70,7 @@ pub struct Highlight {
 /// All bright spots, the likeliest first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HighlightReport {
-    /// Candidates; never empty. The first is the lamp unless a person chooses another.
+    /// Candidates; never empty. The first is the lamp unless the user chooses another.
     pub candidates: Vec<Highlight>,
 }
 
@@ -86,7 +80,7 @@ impl HighlightReport {
         self.candidates.first()
     }
 
-    /// Whether another candidate is nearly as likely, so that a person should look.
+    /// Whether another candidate is nearly as likely, so that the user should look.
     pub fn is_ambiguous(&self) -> bool {
         matches!(self.candidates.as_slice(), [first, second, ..] if second.score > 0.5 * first.score)
     }
@@ -201,7 +195,7 @@ fn describe(
 
     let column = |x: usize| x + view.origin.0;
     let row = |y: usize| y + view.origin.1;
-    let clipped = core.iter().any(|&(x, y)| photo.marks[row(y) * photo.linear.width() + column(x)] & CLIPPED != 0);
+    let clipped = core.iter().any(|&(x, y)| photo.marks.at(column(x), row(y)) & CLIPPED != 0);
     let seen_under_other_lamps = other_lamps
         .iter()
         .filter(|other| {
@@ -229,7 +223,7 @@ fn describe(
 const LARGE_CORE_PX: usize = 30;
 
 /// Centre of all light of a small spot and its surroundings, down to a tenth of its peak. Where in its pixel a lamp
-/// smaller than a pixel stands is not known: a uniform error of half a pixel either way.
+/// smaller than a pixel lies is not known: a uniform error of half a pixel either way.
 fn light_centre(spot: &[(usize, usize)], light: &Plane) -> ((f64, f64), f64) {
     const PIXEL_SD: f64 = 0.289;
     let peak = spot.iter().map(|&(x, y)| light.at(x, y)).fold(0.0, f32::max);

@@ -1,4 +1,4 @@
-//! How strong the lamps are, from the light of a grey ball.
+//! The strength of the lamps, from the light of a grey ball.
 
 use super::{
     BallPixels, CalibrateError, PixelOptions,
@@ -10,7 +10,7 @@ use crate::interval::{Estimate, jackknife};
 use crate::sphere::Ball;
 use nalgebra::{Vector1, Vector3};
 
-/// Where a lamp stands.
+/// Where a lamp is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lamp {
     /// So far away that its light is the same everywhere.

@@ -1,4 +1,4 @@
-//! What the balls tell about the lamps and the paint: alpha, beta, intensities and directions, each with its 95 %
+//! Calibration of lamps and paint from balls: alpha, beta, intensities and directions, each with its 95 %
 //! interval, the pixels it was measured on, and the pixels refused, by reason.
 //!
 //! The intervals take in the scatter between regions of the ball (see [`crate::interval`]) and the error of the circle.

@@ -1,9 +1,10 @@
-//! Which pixels of a ball may be measured, and why the others may not.
+//! The pixels of a ball that may be measured, and why the others may not.
 
 use super::CalibrateError;
 use crate::Photo;
 use crate::image::photo::{CLIPPED, DARK};
 use crate::interval::{quantile, robust_sd};
+use crate::options::check_range;
 use crate::sphere::{Ball, Circle};
 use nalgebra::{Matrix4, Vector3, Vector4};
 use rayon::prelude::*;
@@ -59,7 +60,7 @@ impl std::fmt::Display for PixelCounts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "clipped {}, dark {}, near the rim {}, near the end of the light {}, highlight {}, outlier {}",
+            "clipped {}, dark {}, near the rim {}, near the terminator {}, highlight {}, outlier {}",
             self.clipped, self.dark, self.near_rim, self.near_terminator, self.highlight, self.outlier
         )
     }
@@ -166,23 +167,11 @@ impl Default for PixelOptions {
 impl PixelOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), CalibrateError> {
-        let bad = |option, value, expected| Err(CalibrateError::BadOption { option, value, expected });
-        if !(0.2..=1.0).contains(&self.max_radii) {
-            return bad("max_radii", self.max_radii, "between 0.2 and 1");
-        }
-        if !(0.0..0.9).contains(&self.min_cosine) {
-            return bad("min_cosine", self.min_cosine, "between 0 and 0.9");
-        }
-        if self.max_deviations.is_nan() || self.max_deviations < 2.0 {
-            return bad("max_deviations", self.max_deviations, "2 or more");
-        }
-        if !(0.0..=1.0).contains(&self.max_clipped) {
-            return bad("max_clipped", self.max_clipped, "between 0 and 1");
-        }
-        if self.min_pixels < 20 {
-            return bad("min_pixels", self.min_pixels as f64, "20 or more");
-        }
-        Ok(())
+        check_range("max_radii", self.max_radii, (0.2..=1.0).contains(&self.max_radii), "between 0.2 and 1")?;
+        check_range("min_cosine", self.min_cosine, (0.0..0.9).contains(&self.min_cosine), "between 0 and 0.9")?;
+        check_range("max_deviations", self.max_deviations, self.max_deviations >= 2.0, "2 or more")?;
+        check_range("max_clipped", self.max_clipped, (0.0..=1.0).contains(&self.max_clipped), "between 0 and 1")?;
+        Ok(check_range("min_pixels", self.min_pixels as f64, self.min_pixels >= 20, "20 or more")?)
     }
 }
 
@@ -238,7 +227,7 @@ fn mark_pixels(photos: &[&Photo], circle: &Circle, max_radii: f64) -> BallPixels
         .flat_map_iter(|y| {
             columns.clone().map(move |x| {
                 let radii = circle.radii_from_centre(x as f64 + 0.5, y as f64 + 0.5);
-                let marks = photos.iter().fold(0, |marks, photo| marks | photo.marks[y * width + x]);
+                let marks = photos.iter().fold(0, |marks, photo| marks | photo.marks.at(x, y));
                 let finite = photos.iter().all(|photo| photo.linear.at(x, y).is_finite());
                 match () {
                     _ if radii > 1.0 => PixelUse::Outside,

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::Photo;
 use crate::interval::{Estimate, Interval, coverage_factor, jackknife, median, robust_sd};
+use crate::options::check_range;
 use crate::sphere::Ball;
 use nalgebra::Vector1;
 
@@ -28,10 +29,8 @@ impl Default for RatioOptions {
 impl RatioOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), CalibrateError> {
-        if !(0.0..0.1).contains(&self.black_level_sd) {
-            let (option, expected) = ("black_level_sd", "between 0 and 0.1");
-            return Err(CalibrateError::BadOption { option, value: self.black_level_sd, expected });
-        }
+        let noise = self.black_level_sd;
+        check_range("black_level_sd", noise, (0.0..0.1).contains(&noise), "between 0 and 0.1")?;
         self.pixels.check()
     }
 }

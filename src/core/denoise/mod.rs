@@ -1,4 +1,4 @@
-//! Quiet direct light: indirect light varies slowly over a surface, so most of its noise can be averaged away.
+//! Denoising of the direct light: indirect light varies slowly over a surface, so most of its noise can be averaged away.
 //!
 //! The sum T of all bounces is hardly noisier than a photo; what is noisy is how T divides into direct and indirect light.
 //! Indirect light arrives from the whole object, so over a few pixels it follows T by a straight line: I = a T + b. The line
@@ -11,77 +11,65 @@ mod window;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use crate::options::{OptionError, check_range};
 use crate::separate::{BounceSystem, LightPhotos, OUTSIDE, SeparateError, Separation, UNSOLVED};
 use crate::{Plane, Watch};
 
-/// How to quieten the direct light.
+/// How to denoise the direct light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IndirectOptions {
+pub struct DenoiseOptions {
     /// Half the width of the window in pixels; 0 leaves the direct light as it was separated.
     pub radius_px: usize,
     /// Light that varies in the window by less than this share of its mean counts as even: there I is averaged.
     pub evenness: f64,
 }
 
-impl Default for IndirectOptions {
+impl Default for DenoiseOptions {
     fn default() -> Self {
         Self { radius_px: 3, evenness: 0.02 }
     }
 }
 
 /// The widest window: beyond it indirect light is not slow any more.
-pub const LARGEST_RADIUS_PX: usize = 64;
+pub const MAX_RADIUS_PX: usize = 64;
 
-impl IndirectOptions {
+impl DenoiseOptions {
     /// Whether every option is in its range.
-    pub fn check(&self) -> Result<(), IndirectError> {
-        if self.radius_px > LARGEST_RADIUS_PX {
-            return Err(IndirectError::Radius { radius_px: self.radius_px });
-        }
-        if !(self.evenness > 0.0 && self.evenness < 1.0) {
-            return Err(IndirectError::Evenness { evenness: self.evenness });
-        }
-        Ok(())
+    pub fn check(&self) -> Result<(), DenoiseError> {
+        let (radius_px, evenness) = (self.radius_px, self.evenness);
+        check_range("radius_px", radius_px as f64, radius_px <= MAX_RADIUS_PX, "0 to 64")?;
+        Ok(check_range("evenness", evenness, evenness > 0.0 && evenness < 1.0, "between 0 and 1")?)
     }
 }
 
-/// Why the direct light was not quietened.
+/// Why the direct light was not denoised.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum IndirectError {
-    /// A window too wide.
-    #[error("a window radius of {radius_px} pixels: give 0 to {LARGEST_RADIUS_PX}")]
-    Radius {
-        /// What was asked for.
-        radius_px: usize,
-    },
-    /// Not a fraction.
-    #[error("an evenness of {evenness}: give a number between 0 and 1")]
-    Evenness {
-        /// What was asked for.
-        evenness: f64,
-    },
+pub enum DenoiseError {
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// The photos do not fit together.
     #[error(transparent)]
     Separate(#[from] SeparateError),
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled")]
     Cancelled,
 }
 
 /// Direct light with less noise.
 #[derive(Clone, Debug, PartialEq)]
-pub struct QuietDirect {
+pub struct DenoisedDirect {
     /// L_1 in linear light of the reference colour; zero where the separation solved nothing.
     pub direct: Plane,
     /// Predicted noise (standard deviation) of `direct`.
     pub noise: Plane,
     /// Mean predicted noise of L_1 over solved pixels before, and after.
-    pub report: IndirectReport,
+    pub report: DenoiseReport,
 }
 
-/// What quietening tells of itself. Means run over the solved pixels.
+/// What denoising reports. Means run over the solved pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct IndirectReport {
+pub struct DenoiseReport {
     /// Mean predicted noise of L_1 as it was separated.
     pub noise_before: f64,
     /// Mean predicted noise of L_1 now.
@@ -113,9 +101,9 @@ impl TypicalNoise {
     }
 }
 
-/// Predicted noise (standard deviation) of the quiet L_1 where the indirect light is even: a pixel in the middle of a wall.
+/// Predicted noise (standard deviation) of the denoised L_1 where the indirect light is even: a pixel in the middle of a wall.
 /// `sigma` is the noise of each colour's photo in its own linear light.
-pub fn quiet_noise(system: &BounceSystem, sigma: &[f64], options: &IndirectOptions) -> f64 {
+pub fn denoised_noise(system: &BounceSystem, sigma: &[f64], options: &DenoiseOptions) -> f64 {
     let typical = TypicalNoise::of(system, sigma);
     if options.radius_px == 0 {
         return typical.direct.sqrt();
@@ -124,42 +112,42 @@ pub fn quiet_noise(system: &BounceSystem, sigma: &[f64], options: &IndirectOptio
 }
 
 /// What is left of a variance that two window means in a row average: a triangle of this width in x and in y.
-fn averaged_share(options: &IndirectOptions) -> f64 {
+fn averaged_share(options: &DenoiseOptions) -> f64 {
     let side = (2 * options.radius_px + 1) as f64;
     ((2.0 * side * side + 1.0) / (3.0 * side.powi(3))).powi(2)
 }
 
 /// Takes most of the noise of the indirect light out of L_1 of a light that was separated.
-pub fn quieten_direct(
+pub fn denoise_direct(
     light: &LightPhotos,
     separation: &Separation,
-    options: &IndirectOptions,
+    options: &DenoiseOptions,
     watch: &dyn Watch,
-) -> Result<QuietDirect, IndirectError> {
+) -> Result<DenoisedDirect, DenoiseError> {
     options.check()?;
     let sigma = light.typical_sigma();
     let system = BounceSystem::new(light.alpha, light.beta, &sigma, separation.bounces.len())?;
     let typical = TypicalNoise::of(&system, &sigma);
     let size = separation.bounces[0].size();
-    let solved = |pixel: usize| separation.marks[pixel] & (UNSOLVED | OUTSIDE) == 0;
+    let solved = |pixel: usize| separation.marks.data()[pixel] & (UNSOLVED | OUTSIDE) == 0;
     let plain_noise = separation.direct_noise.clone().unwrap_or_else(|| Plane::filled(size.0, size.1, 0.0));
     let noise_before = mean_where(&plain_noise, solved);
     if options.radius_px == 0 || separation.bounces.len() == 1 {
-        let report = IndirectReport { noise_before, noise_after: noise_before };
-        return Ok(QuietDirect { direct: separation.bounces[0].clone(), noise: plain_noise, report });
+        let report = DenoiseReport { noise_before, noise_after: noise_before };
+        return Ok(DenoisedDirect { direct: separation.bounces[0].clone(), noise: plain_noise, report });
     }
 
     let total = total_of(separation);
     let lines = window::lines(separation, &total, &typical, options, &solved);
     if watch.cancelled() {
-        return Err(IndirectError::Cancelled);
+        return Err(DenoiseError::Cancelled);
     }
     watch.progress(0.5);
     let (slope, offset) = window::average(&lines, options.radius_px);
     let (direct, noise) = apply(separation, &total, &slope, &offset, &plain_noise, &typical, options);
     watch.progress(1.0);
     let noise_after = mean_where(&noise, solved);
-    Ok(QuietDirect { direct, noise, report: IndirectReport { noise_before, noise_after } })
+    Ok(DenoisedDirect { direct, noise, report: DenoiseReport { noise_before, noise_after } })
 }
 
 /// T, the sum of all bounces.
@@ -179,14 +167,14 @@ fn apply(
     offset: &Plane,
     plain_noise: &Plane,
     typical: &TypicalNoise,
-    options: &IndirectOptions,
+    options: &DenoiseOptions,
 ) -> (Plane, Plane) {
     let (width, height) = total.size();
     let averaged = averaged_share(options) * typical.indirect;
     let mut direct = Plane::filled(width, height, 0.0);
     let mut noise = Plane::filled(width, height, 0.0);
     (direct.data_mut(), noise.data_mut()).into_par_iter().enumerate().for_each(|(pixel, (direct, noise))| {
-        if separation.marks[pixel] & (UNSOLVED | OUTSIDE) != 0 {
+        if separation.marks.data()[pixel] & (UNSOLVED | OUTSIDE) != 0 {
             return;
         }
         let keep = 1.0 - slope.data()[pixel];

@@ -43,33 +43,33 @@ fn rms_error(found: &Plane, truth: &Plane, columns: std::ops::Range<usize>) -> f
 }
 
 #[test]
-fn direct_light_is_quieter_as_predicted_and_keeps_texture_and_crease() {
+fn direct_light_is_less_noisy_as_predicted_and_keeps_texture_and_crease() {
     let (truth, photos) = scene(&mut StdRng::seed_from_u64(5));
     let photos: Vec<_> = photos.iter().collect();
     let mask = Mask::filled(SIZE.0, SIZE.1, true);
     let light = LightPhotos { photos: &photos, noise: &[NOISE; 2], alpha: &ALPHA, beta: &BETA, mask: &mask };
     let (separation, _) = separate(&light, &SeparateOptions::default(), &Unwatched).unwrap();
-    let quiet = quieten_direct(&light, &separation, &IndirectOptions::default(), &Unwatched).unwrap();
+    let denoised = denoise_direct(&light, &separation, &DenoiseOptions::default(), &Unwatched).unwrap();
 
     let before = rms_error(&separation.bounces[0], &truth, 0..SIZE.0);
-    let after = rms_error(&quiet.direct, &truth, 0..SIZE.0);
+    let after = rms_error(&denoised.direct, &truth, 0..SIZE.0);
     let photo = NOISE.sigma(0.5);
     assert!(before > 1.5 * photo && after < 1.1 * photo, "{before} before, {after} after; a photo has {photo}");
-    assert!(rms_error(&quiet.direct, &truth, 110..130) < 0.75 * before, "at the crease");
-    let predicted = quiet.report.noise_after;
+    assert!(rms_error(&denoised.direct, &truth, 110..130) < 0.75 * before, "at the crease");
+    let predicted = denoised.report.noise_after;
     assert!((0.7..1.4).contains(&(after / predicted)), "{after} for a predicted {predicted}");
 }
 
 #[test]
-fn without_a_window_the_separation_stands() {
+fn without_a_window_the_separation_stays_as_it_is() {
     let (_, photos) = scene(&mut StdRng::seed_from_u64(6));
     let photos: Vec<_> = photos.iter().collect();
     let mask = Mask::from_fn(SIZE.0, SIZE.1, |x, _| x > 10);
     let light = LightPhotos { photos: &photos, noise: &[NOISE; 2], alpha: &ALPHA, beta: &BETA, mask: &mask };
     let (separation, _) = separate(&light, &SeparateOptions::default(), &Unwatched).unwrap();
-    let options = IndirectOptions { radius_px: 0, ..IndirectOptions::default() };
-    let same = quieten_direct(&light, &separation, &options, &Unwatched).unwrap();
+    let options = DenoiseOptions { radius_px: 0, ..DenoiseOptions::default() };
+    let same = denoise_direct(&light, &separation, &options, &Unwatched).unwrap();
     assert_eq!(same.direct, separation.bounces[0]);
-    let quiet = quieten_direct(&light, &separation, &IndirectOptions::default(), &Unwatched).unwrap();
-    assert_eq!(quiet.direct.at(3, 50), 0.0);
+    let denoised = denoise_direct(&light, &separation, &DenoiseOptions::default(), &Unwatched).unwrap();
+    assert_eq!(denoised.direct.at(3, 50), 0.0);
 }

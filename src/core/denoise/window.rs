@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{IndirectOptions, TypicalNoise};
+use super::{DenoiseOptions, TypicalNoise};
 use crate::Plane;
 use crate::separate::Separation;
 
@@ -21,7 +21,7 @@ pub(super) fn lines(
     separation: &Separation,
     total: &Plane,
     typical: &TypicalNoise,
-    options: &IndirectOptions,
+    options: &DenoiseOptions,
     solved: &(impl Fn(usize) -> bool + Sync),
 ) -> Lines {
     let (width, height) = total.size();

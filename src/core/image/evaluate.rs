@@ -1,4 +1,4 @@
-//! How far a result is from the truth, where the truth is known.
+//! The error of a result, where the truth is known.
 
 use rayon::prelude::*;
 

@@ -7,9 +7,11 @@ pub mod noise;
 pub mod normal_map;
 pub mod photo;
 pub mod plane;
+pub mod raster;
 pub mod statistics;
 
 pub use mask::Mask;
 pub use normal_map::{AngularError, NormalMap};
-pub use photo::Photo;
+pub use photo::{Marks, Photo};
 pub use plane::Plane;
+pub use raster::Raster;

@@ -1,4 +1,4 @@
-//! How noisy a photo is: photon noise grows with the light, read noise does not.
+//! The noise of a photo: photon noise grows with the light, read noise does not.
 
 use rayon::prelude::*;
 
@@ -29,7 +29,7 @@ pub struct NoiseModel {
 /// Grain is measured in this many steps of brightness, equally full.
 const BRIGHTNESS_STEPS: usize = 16;
 /// A step of fewer pixels than this says nothing about its scatter.
-const LEAST_PIXELS_PER_STEP: usize = 30;
+const MIN_PIXELS_PER_STEP: usize = 30;
 
 impl NoiseModel {
     /// The noise of a camera: `full_well_electrons` at linear light 1, `read_noise_electrons` rms, a `frames`-fold mean,
@@ -91,9 +91,9 @@ pub fn estimate_noise(photo: &Photo, mask: &Mask, quantisation_step: f64) -> Noi
     let quantisation = quantisation_step.powi(2) / 12.0;
     let mut grain = grain_of_rows(photo, mask);
     grain.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let step = grain.len().div_ceil(BRIGHTNESS_STEPS).max(LEAST_PIXELS_PER_STEP);
+    let step = grain.len().div_ceil(BRIGHTNESS_STEPS).max(MIN_PIXELS_PER_STEP);
     let pairs: Vec<_> =
-        grain.par_chunks_mut(step).filter(|s| s.len() >= LEAST_PIXELS_PER_STEP).map(signal_and_variance).collect();
+        grain.par_chunks_mut(step).filter(|s| s.len() >= MIN_PIXELS_PER_STEP).map(signal_and_variance).collect();
     let fitted = NoiseModel::fit(&pairs, NoiseSource::Grain);
     let model = fitted.unwrap_or(NoiseModel { floor: 0.0, per_signal: 0.0, source: NoiseSource::Grain });
     NoiseModel { floor: model.floor.max(quantisation), ..model }
@@ -110,7 +110,7 @@ fn grain_of_rows(photo: &Photo, mask: &Mask) -> Vec<(f32, f32)> {
             for (row, weights) in (y - 1..=y + 1).zip(WEIGHTS) {
                 for (column, weight) in (x - 1..=x + 1).zip(weights) {
                     let pixel = row * width + column;
-                    if !mask.data()[pixel] || photo.marks[pixel] != 0 {
+                    if !mask.data()[pixel] || photo.marks.data()[pixel] != 0 {
                         return None;
                     }
                     let light = photo.linear.data()[pixel];

@@ -6,10 +6,10 @@ use thiserror::Error;
 
 use crate::mesh::compare::{CompareError, Deviation, deviation};
 use crate::mesh::topology::MeshFault;
-use crate::{Mesh, Watch};
+use crate::{Mesh, Portion, Watch};
 
 /// Fewer than a tetrahedron has are no shape.
-const LEAST_TRIANGLES: usize = 4;
+const MIN_TRIANGLES: usize = 4;
 
 /// How far to go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ impl DecimateOptions {
     /// `DecimateError::TooFew` for fewer triangles than make a shape.
     pub fn check(&self) -> Result<(), DecimateError> {
         let triangles = self.triangles;
-        if triangles < LEAST_TRIANGLES { Err(DecimateError::TooFew { triangles }) } else { Ok(()) }
+        if triangles < MIN_TRIANGLES { Err(DecimateError::TooFew { triangles }) } else { Ok(()) }
     }
 }
 
@@ -39,7 +39,7 @@ impl DecimateOptions {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DecimateError {
     /// Fewer triangles than make a shape.
-    #[error("{triangles} triangles are too few for a mesh; leave at least {LEAST_TRIANGLES}")]
+    #[error("{triangles} triangles are too few for a mesh; leave at least {MIN_TRIANGLES}")]
     TooFew {
         /// What was asked for.
         triangles: usize,
@@ -110,7 +110,7 @@ pub fn decimate(mesh: &Mesh, options: &DecimateOptions, watch: &dyn Watch) -> Re
     }
 
     let (decimated, kept) = with_triangles(mesh, triangles);
-    let deviation = deviation(mesh, &decimated, &SecondHalf(watch)).map_err(|error| match error {
+    let deviation = deviation(mesh, &decimated, &Portion::of(watch, 1, 2)).map_err(|error| match error {
         CompareError::Cancelled => DecimateError::Cancelled,
         error => DecimateError::Unmeasured(error),
     })?;
@@ -122,7 +122,7 @@ pub fn decimate(mesh: &Mesh, options: &DecimateOptions, watch: &dyn Watch) -> Re
 fn collapsed(mesh: &Mesh, triangles: usize) -> Vec<[u32; 3]> {
     let positions: Vec<f32> = mesh.positions.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
     let vertices = VertexData { positions: &positions, count: mesh.positions.len(), stride: size_of::<Point3<f32>>() };
-    // No bound on the error: it is measured afterwards, and told.
+    // No bound on the error: it is measured afterwards, and reported.
     let target = SimplifyTarget { target_index_count: 3 * triangles, target_error: f32::MAX, options: 0 };
     let mut indices = vec![0; 3 * mesh.triangles.len()];
     let (left, _) = simplify(&mut indices, mesh.triangles.as_flattened(), &vertices, &target);
@@ -147,19 +147,6 @@ fn with_triangles(mesh: &Mesh, mut triangles: Vec<[u32; 3]>) -> (Mesh, Vec<u32>)
         unit: mesh.unit,
     };
     (mesh, kept)
-}
-
-/// The measuring comes after the collapsing.
-struct SecondHalf<'a>(&'a dyn Watch);
-
-impl Watch for SecondHalf<'_> {
-    fn progress(&self, fraction: f32) {
-        self.0.progress(0.5 + 0.5 * fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
 }
 
 #[cfg(test)]

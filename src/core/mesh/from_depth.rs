@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::Mesh;
+use crate::options::{OptionError, check_range};
 use crate::{Camera, Mask, NormalMap, Plane, Projection};
 
 /// How to join the pixels.
@@ -20,28 +21,17 @@ impl MeshOptions {
     /// # Errors
     /// `MeshError::Option` names the first that is not.
     pub fn check(&self) -> Result<(), MeshError> {
-        match self.max_slope {
-            Some(value) if !(value > 0.0 && value.is_finite()) => {
-                Err(MeshError::Option { name: "max_slope", value, expected: "a positive number" })
-            }
-            _ => Ok(()),
-        }
+        let slope = self.max_slope.unwrap_or(1.0);
+        Ok(check_range("max_slope", slope, slope > 0.0 && slope.is_finite(), "a positive number")?)
     }
 }
 
 /// Why there is no mesh.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MeshError {
-    /// An option is out of its range.
-    #[error("{name} is {value}; it must be {expected}")]
-    Option {
-        /// The option.
-        name: &'static str,
-        /// What it was set to.
-        value: f64,
-        /// What it may be.
-        expected: &'static str,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// The camera's geometry cannot be.
     #[error("the camera's lengths must be positive numbers, not {projection:?}; correct [camera]")]
     Camera {

@@ -1,4 +1,4 @@
-//! Where a ray meets a mesh: how a click becomes a point.
+//! The point where a ray meets a mesh: from a click to the surface.
 
 use nalgebra::{Point3, Vector3};
 use parry3d::math::Vector;

@@ -1,4 +1,4 @@
-//! What the triangles of a mesh say about its surface: normals, borders, doubled vertices, faults.
+//! The topology of a mesh: normals, borders, doubled vertices, faults.
 
 use std::collections::HashMap;
 

@@ -117,7 +117,7 @@ fn jobs_of(separation: &mut Separation) -> Vec<Target<'_>> {
     let mut bounces: Vec<_> = separation.bounces.iter_mut().map(|plane| plane.data_mut().chunks_mut(JOB)).collect();
     let mut noise = separation.direct_noise.iter_mut().flat_map(|plane| plane.data_mut().chunks_mut(JOB));
     let mut residual = separation.residual.as_mut().map(|plane| plane.data_mut().chunks_mut(JOB));
-    let marks = separation.marks.chunks_mut(JOB).enumerate();
+    let marks = separation.marks.data_mut().chunks_mut(JOB).enumerate();
     marks
         .map(|(job, marks)| Target {
             first_pixel: job * JOB,
@@ -137,7 +137,7 @@ fn run_job(mut target: Target, light: &LightPhotos, kernel: &Kernel, sigma: &[f6
         let block = start..(start + BLOCK).min(end);
         let pixels = target.first_pixel + block.start..target.first_pixel + block.end;
         let good = all_true(&light.mask.data()[pixels.clone()])
-            && light.photos.iter().all(|photo| all_zero(&photo.marks[pixels.clone()]));
+            && light.photos.iter().all(|photo| all_zero(&photo.marks.data()[pixels.clone()]));
         if good {
             good_block(&mut target, light, kernel, block, &mut tally);
         } else {
@@ -196,8 +196,8 @@ fn mixed_pixel(
     tally: &mut Tally,
 ) {
     let pixel = target.first_pixel + at;
-    let marks = light.photos.iter().fold(0, |all, photo| all | photo.marks[pixel]);
-    let good = light.photos.iter().enumerate().filter(|(_, photo)| photo.marks[pixel] == 0);
+    let marks = light.photos.iter().fold(0, |all, photo| all | photo.marks.data()[pixel]);
+    let good = light.photos.iter().enumerate().filter(|(_, photo)| photo.marks.data()[pixel] == 0);
     let key = good.fold(0u32, |key, (colour, _)| key | 1 << colour);
     let inside = light.mask.data()[pixel];
     let kernel = match (inside, marks) {

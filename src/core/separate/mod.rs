@@ -7,10 +7,10 @@ mod system;
 use thiserror::Error;
 
 pub use polynomial::PixelPolynomial;
-pub use system::{BounceSystem, LEAST_BETA_DISTANCE, check_order, closest_pair};
+pub use system::{BounceSystem, MIN_BETA_DISTANCE, check_order, closest_pair};
 
 use crate::image::noise::NoiseModel;
-use crate::{Mask, Photo, Plane, Watch};
+use crate::{Marks, Mask, Photo, Plane, Watch};
 
 /// Mark of a pixel with fewer usable colours than bounces: all its bounces are zero.
 pub const UNSOLVED: u8 = 4;
@@ -18,24 +18,24 @@ pub const UNSOLVED: u8 = 4;
 pub const OUTSIDE: u8 = 8;
 
 /// More colours than any rig has; every subset of them must fit a 32-bit key.
-const MOST_COLOURS: usize = 32;
+const MAX_COLOURS: usize = 32;
 
 /// How to separate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SeparateOptions {
-    /// The order m: how many bounces to tell apart, 1 to the number of colours.
+    /// The order m: how many bounces to separate, 1 to the number of colours.
     pub bounces: usize,
 }
 
 impl Default for SeparateOptions {
-    /// Two bounces: a good model of many scenes (Funt and Drew), and the quietest that removes interreflections.
+    /// Two bounces: a good model of many scenes (Funt and Drew), and the least noisy that removes interreflections.
     fn default() -> Self {
         Self { bounces: 2 }
     }
 }
 
 impl SeparateOptions {
-    /// Whether `alpha` and `beta` (one of each per colour, the reference first) can tell this many bounces apart.
+    /// Whether `alpha` and `beta` (one of each per colour, the reference first) can separate this many bounces.
     pub fn check(&self, alpha: &[f64], beta: &[f64]) -> Result<(), SeparateError> {
         check_order(alpha, beta, self.bounces)
     }
@@ -54,7 +54,7 @@ pub enum SeparateError {
     },
     /// Two colours see the same paint: the system has no solution worth the name.
     #[error(
-        "beta of colours {} and {} is {:.3} and {:.3}: closer than {LEAST_BETA_DISTANCE}, so they cannot tell bounces apart; \
+        "beta of colours {} and {} is {:.3} and {:.3}: closer than {MIN_BETA_DISTANCE}, so they cannot tell bounces apart; \
          leave one of them out or separate fewer bounces",
         first + 1, second + 1, beta[0], beta[1]
     )]
@@ -85,7 +85,7 @@ pub enum SeparateError {
         beta: usize,
     },
     /// Photos, noise models and calibration do not count the same colours, or too many.
-    #[error("{photos} photos and {noise} noise models for {colours} colours (at most {MOST_COLOURS})")]
+    #[error("{photos} photos and {noise} noise models for {colours} colours (at most {MAX_COLOURS})")]
     PhotoCount {
         /// How many photos.
         photos: usize,
@@ -105,14 +105,14 @@ pub enum SeparateError {
         expected: (usize, usize),
     },
     /// The matrix beta_c^k is singular to working precision.
-    #[error("{bounces} bounces cannot be told apart (condition number {condition_number:.1e}); separate fewer")]
+    #[error("{bounces} bounces cannot be separated (condition number {condition_number:.1e}); separate fewer")]
     Singular {
         /// The order asked for.
         bounces: usize,
         /// The condition number met.
         condition_number: f64,
     },
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled")]
     Cancelled,
 }
@@ -128,10 +128,10 @@ pub struct Separation {
     pub residual: Option<Plane>,
     /// Marks of the colours' photos together, and `UNSOLVED` or `OUTSIDE`. A mark without `UNSOLVED` is a pixel that was
     /// fitted without its clipped or dark colours.
-    pub marks: Vec<u8>,
+    pub marks: Marks,
 }
 
-/// What the separation of one light tells of itself. Means run over the solved pixels.
+/// What the separation of one light reports. Means run over the solved pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeparateReport {
     /// The order m.
@@ -178,7 +178,7 @@ pub struct LightPhotos<'a> {
 impl LightPhotos<'_> {
     fn check(&self) -> Result<(), SeparateError> {
         let (photos, noise, colours) = (self.photos.len(), self.noise.len(), self.beta.len());
-        if photos != colours || noise != colours || colours > MOST_COLOURS {
+        if photos != colours || noise != colours || colours > MAX_COLOURS {
             return Err(SeparateError::PhotoCount { photos, noise, colours });
         }
         let expected = self.photos.first().map_or((0, 0), |photo| photo.linear.size());
@@ -202,7 +202,7 @@ pub fn typical_light(photo: &Photo, mask: &Mask) -> f64 {
     let step = (photo.linear.data().len() / 50_000).max(1);
     let good = (0..photo.linear.data().len())
         .step_by(step)
-        .filter(|&pixel| mask.data()[pixel] && photo.marks[pixel] == 0)
+        .filter(|&pixel| mask.data()[pixel] && photo.marks.data()[pixel] == 0)
         .map(|pixel| f64::from(photo.linear.data()[pixel]));
     let (sum, count) = good.fold((0.0, 0usize), |(sum, count), light| (sum + light, count + 1));
     sum / count.max(1) as f64
@@ -249,7 +249,9 @@ impl Separation {
         } else if self.residual.as_ref().is_none_or(|plane| plane.size() != size) {
             self.residual = Some(empty());
         }
-        self.marks.resize(size.0 * size.1, 0);
+        if self.marks.size() != size {
+            self.marks = Marks::filled(size.0, size.1, 0);
+        }
     }
 }
 

@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::SeparateError;
 
-/// Two colours whose beta lie closer than this tell the bounces apart by noise alone.
-pub const LEAST_BETA_DISTANCE: f64 = 0.02;
+/// Two colours whose beta lie closer than this separate the bounces by noise alone.
+pub const MIN_BETA_DISTANCE: f64 = 0.02;
 
 /// The least-squares solution of the bounce equations of one light, the same for all its pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,9 +36,9 @@ impl BounceSystem {
         let condition_number = singular.max() / singular.min();
 
         // Whiten: divide each colour's equation by the noise of N_c / alpha_c, then undo it in the operator.
-        let quietest = (0..colours).map(|c| sigma[c] / alpha[c]).fold(f64::INFINITY, f64::min);
+        let least_noise = (0..colours).map(|c| sigma[c] / alpha[c]).fold(f64::INFINITY, f64::min);
         let weight = DVector::from_fn(colours, |c, _| match sigma[c] / alpha[c] {
-            noise if noise > 0.0 && quietest > 0.0 => quietest / noise,
+            noise if noise > 0.0 && least_noise > 0.0 => least_noise / noise,
             _ => 1.0,
         });
         let weighted = DMatrix::from_fn(colours, bounces, |c, k| weight[c] * mixing[(c, k)]);
@@ -57,7 +57,7 @@ impl BounceSystem {
     }
 }
 
-/// The Moore-Penrose inverse by singular values; `None` where a bounce cannot be told from another at all.
+/// The Moore-Penrose inverse by singular values; `None` where two bounces cannot be separated at all.
 fn pseudo_inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let svd = matrix.svd(true, true);
     let smallest = svd.singular_values.min();
@@ -67,7 +67,7 @@ fn pseudo_inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     svd.pseudo_inverse(0.0).ok()
 }
 
-/// Whether these colours can tell `bounces` bounces apart at all. The first colour is the reference.
+/// Whether these colours can separate `bounces` bounces at all. The first colour is the reference.
 pub fn check_order(alpha: &[f64], beta: &[f64], bounces: usize) -> Result<(), SeparateError> {
     let colours = beta.len();
     if alpha.len() != colours {
@@ -83,7 +83,7 @@ pub fn check_order(alpha: &[f64], beta: &[f64], bounces: usize) -> Result<(), Se
         return Err(SeparateError::NotPositive { what: "beta", colour, value: beta[colour] });
     }
     match closest_pair(beta) {
-        Some((first, second)) if bounces > 1 && (beta[first] - beta[second]).abs() < LEAST_BETA_DISTANCE => {
+        Some((first, second)) if bounces > 1 && (beta[first] - beta[second]).abs() < MIN_BETA_DISTANCE => {
             Err(SeparateError::SameAlbedo { first, second, beta: [beta[first], beta[second]] })
         }
         _ => Ok(()),
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn fewer_bounces_than_colours_are_quieter() {
+    fn fewer_bounces_than_colours_are_less_noisy() {
         let beta = [0.78, 0.59, 0.39, 0.2].map(|albedo| albedo / 0.78);
         let gains = [4, 3, 2].map(|bounces| gain_of_direct(&beta, bounces));
         for (gain, known) in gains.iter().zip([21.0, 8.1, 3.0]) {

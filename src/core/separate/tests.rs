@@ -60,25 +60,25 @@ fn a_clipped_colour_is_left_out_and_marked() {
     let (truth, mut photos) = scene();
     let bad = 70 * SIZE.0 + 41;
     photos[1].linear.data_mut()[bad] = 0.9;
-    photos[1].marks[bad] = CLIPPED;
+    photos[1].marks.data_mut()[bad] = CLIPPED;
     let mask = Mask::filled(SIZE.0, SIZE.1, true);
 
     let (enough, report) = run(&photos, 3, 2, &mask);
     assert!((enough.bounces[0].data()[bad] - truth[0].data()[bad]).abs() < 2e-6);
-    assert_eq!((enough.marks[bad], report.reduced_pixels), (CLIPPED, 1));
+    assert_eq!((enough.marks.data()[bad], report.reduced_pixels), (CLIPPED, 1));
 
     let (too_few, report) = run(&photos, 2, 2, &mask);
-    assert_eq!((too_few.marks[bad], too_few.bounces[0].data()[bad]), (CLIPPED | UNSOLVED, 0.0));
+    assert_eq!((too_few.marks.data()[bad], too_few.bounces[0].data()[bad]), (CLIPPED | UNSOLVED, 0.0));
     assert_eq!((report.unsolved_clipped_pixels, report.unsolved_dark_pixels), (1, 0));
 }
 
 #[test]
 fn dark_pixels_and_the_background_stay_zero() {
     let (_, mut photos) = scene();
-    photos[0].marks[5] = DARK;
+    photos[0].marks.data_mut()[5] = DARK;
     let mask = Mask::from_fn(SIZE.0, SIZE.1, |x, _| x < 200);
     let (separation, report) = run(&photos, 2, 2, &mask);
-    assert_eq!((separation.marks[5], separation.marks[250]), (DARK | UNSOLVED, OUTSIDE));
+    assert_eq!((separation.marks.data()[5], separation.marks.data()[250]), (DARK | UNSOLVED, OUTSIDE));
     assert_eq!((separation.bounces[0].data()[5], separation.bounces[1].data()[250]), (0.0, 0.0));
     assert_eq!((report.unsolved_dark_pixels, report.solved_pixels), (1, mask.count() - 1));
 }

@@ -8,6 +8,7 @@ use super::{
     vote::propose,
 };
 use crate::Plane;
+use crate::options::check_range;
 
 /// The longest side of the reduced photo in which a ball is looked for.
 const WORKING_SIDE: usize = 640;
@@ -15,7 +16,7 @@ const WORKING_SIDE: usize = 640;
 const EDGE_POINTS: usize = 8000;
 /// Circles that are measured before the best is taken.
 const PROPOSALS: usize = 6;
-/// Smaller circles cannot be told from noise in the reduced photo.
+/// Smaller circles cannot be distinguished from noise in the reduced photo.
 const MIN_WORKING_RADIUS: f64 = 5.0;
 
 /// Rim points that leave the circle more uncertain than this many radii, and this many pixels, lie on several things.
@@ -43,18 +44,13 @@ impl Default for CircleOptions {
 impl CircleOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), BallError> {
-        let bad = |option, value, expected| Err(BallError::BadOption { option, value, expected });
-        if self.min_radius_px.is_nan() || self.min_radius_px < 3.0 {
-            return bad("min_radius_px", self.min_radius_px, "3 or more");
-        }
-        if !(0.1..=1.0).contains(&self.min_rim_seen) {
-            return bad("min_rim_seen", self.min_rim_seen, "between 0.1 and 1");
-        }
-        Ok(())
+        check_range("min_radius_px", self.min_radius_px, self.min_radius_px >= 3.0, "3 or more")?;
+        let rim_seen = self.min_rim_seen;
+        Ok(check_range("min_rim_seen", rim_seen, (0.1..=1.0).contains(&rim_seen), "between 0.1 and 1")?)
     }
 }
 
-/// Finds a ball that stands in the same place in all `images` (one lamp each, linear light), from a click `near_px`
+/// Finds a ball that is in the same place in all `images` (one lamp each, linear light), from a click `near_px`
 /// inside it or from nothing.
 ///
 /// Without a click the ball with the largest visible rim is taken. Errors: no photo, sizes that differ, no circle with

@@ -15,6 +15,7 @@ pub(crate) use geometry::seen_from_centre;
 pub use geometry::{Ball, SurfacePoint, View};
 
 use crate::interval::Interval;
+use crate::options::OptionError;
 
 /// The outline of a ball in a photo. Pixel centres lie at .5.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,16 +78,9 @@ pub enum BallError {
         /// Width and height of one that differs.
         other: (usize, usize),
     },
-    /// An option is out of its range.
-    #[error("{option} = {value}, but it must be {expected}")]
-    BadOption {
-        /// Name of the field.
-        option: &'static str,
-        /// What was given.
-        value: f64,
-        /// What is allowed.
-        expected: &'static str,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Too little of any circle's rim shows.
     #[error(
         "no ball found: {}; it takes {:.0} %. Click inside the ball, or draw its circle by hand",

@@ -2,11 +2,12 @@
 
 use thiserror::Error;
 
+use crate::options::{OptionError, check_range};
 use crate::stereo::depth::{Depth, DepthError, DepthOptions, integrate};
 use crate::stereo::normals::{
     DirectLight, Lamp, Normals, NormalsError, NormalsOptions, NormalsReport, Surface, normals,
 };
-use crate::{Camera, Mask, Plane, Watch};
+use crate::{Camera, Mask, Plane, Portion, Watch};
 
 /// How to recover the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +16,7 @@ pub struct ShapeOptions {
     pub normals: NormalsOptions,
     /// Integration.
     pub depth: DepthOptions,
-    /// How often near lamps are placed anew over the depth found so far; distant lamps need one round.
+    /// Near-light iterations: how often near lamps light the depth found so far; distant lamps need one.
     pub rounds: usize,
 }
 
@@ -30,7 +31,7 @@ impl ShapeOptions {
     pub fn check(&self) -> Result<(), ShapeError> {
         self.normals.check()?;
         self.depth.check()?;
-        if self.rounds == 0 { Err(ShapeError::NoRounds) } else { Ok(()) }
+        Ok(check_range("rounds", self.rounds as f64, self.rounds >= 1, "at least 1")?)
     }
 }
 
@@ -43,13 +44,13 @@ pub enum ShapeError {
     /// Integration failed.
     #[error(transparent)]
     Depth(#[from] DepthError),
-    /// Zero rounds were asked for.
-    #[error("0 rounds: at least one is needed")]
-    NoRounds,
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
 }
 
 impl ShapeError {
-    /// Whether somebody cancelled.
+    /// Whether the watch cancelled.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Normals(NormalsError::Cancelled) | Self::Depth(DepthError::Cancelled))
     }
@@ -62,11 +63,11 @@ pub struct Shape {
     pub normals: Normals,
     /// Depth, where there are normals.
     pub depth: Depth,
-    /// What the last round tells.
+    /// The report of the last round.
     pub report: ShapeReport,
 }
 
-/// What the recovery tells of itself.
+/// What the recovery reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeReport {
     /// Photometric stereo, last round.
@@ -89,10 +90,10 @@ pub fn recover_shape(
     options.check()?;
     let near = lights.iter().any(|light| matches!(light.lamp, Lamp::Near(_)));
     let rounds = if near { options.rounds } else { 1 };
-    let mut shape = round(lights, mask, camera, None, options, &Round { watch, index: 0, rounds })?;
+    let mut shape = round(lights, mask, camera, None, options, &Portion::of(watch, 0, rounds))?;
     for index in 1..rounds {
         let better =
-            round(lights, mask, camera, Some(&shape.depth.depth_mm), options, &Round { watch, index, rounds })?;
+            round(lights, mask, camera, Some(&shape.depth.depth_mm), options, &Portion::of(watch, index, rounds))?;
         let mut depth_changes = shape.report.depth_changes;
         depth_changes.push(root_mean_square_change(&shape.depth, &better.depth));
         shape = Shape { report: ShapeReport { depth_changes, ..better.report }, ..better };
@@ -118,29 +119,12 @@ fn root_mean_square_change(before: &Depth, after: &Depth) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// A round's share of the whole progress.
-struct Round<'a> {
-    watch: &'a dyn Watch,
-    index: usize,
-    rounds: usize,
-}
-
-impl Watch for Round<'_> {
-    fn progress(&self, fraction: f32) {
-        self.watch.progress((self.index as f32 + fraction) / self.rounds as f32);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.watch.cancelled()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::{Point3, Vector3};
 
     use super::*;
-    use crate::{NormalMap, Projection, Unwatched};
+    use crate::{Marks, NormalMap, Projection, Unwatched};
 
     /// A bowl under three near lamps and a pinhole: the shape comes back although every pixel sees the lamps
     /// from its own place.
@@ -169,7 +153,7 @@ mod tests {
 
         let lamps = [(150.0, 20.0), (-90.0, 120.0), (-70.0, -130.0)].map(|(x, y)| Lamp::Near(Point3::new(x, y, 350.0)));
         let photos = lamps.map(|lamp| plane(&|p| 0.5 * normal(p).dot(&lamp.irradiance_vector(p))));
-        let marks = vec![0; size.0 * size.1];
+        let marks = Marks::filled(size.0, size.1, 0);
         let lights: Vec<_> = photos
             .iter()
             .zip(lamps)

@@ -5,7 +5,7 @@
 use firstbounce_core::calibrate::*;
 use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::sphere::{Ball, BallError, Circle, CircleOptions, View, find_circle, refine_circle};
-use firstbounce_core::{Photo, Plane};
+use firstbounce_core::{Marks, Photo, Plane};
 use nalgebra::Vector3;
 use std::cell::Cell;
 
@@ -42,7 +42,7 @@ fn photograph(noise: &Noise, light: impl Fn(f64, f64) -> f64) -> Photo {
         marks.push(u8::from(stored >= 1.0) * CLIPPED + u8::from(stored < 0.001) * DARK);
         stored as f32
     });
-    Photo { linear, marks }
+    Photo { marks: Marks::from_vec(linear.width(), linear.height(), marks).unwrap(), linear }
 }
 
 fn ball() -> Ball {

@@ -1,4 +1,4 @@
-//! What would be better: another order, other colours, more frames.
+//! Advice: another order, other colours, more frames.
 
 use nalgebra::DMatrix;
 
@@ -9,7 +9,7 @@ use crate::interval::Estimate;
 /// Advice is given where it takes at least this share off the expected error.
 const WORTH_IT: f64 = 0.2;
 /// More frames than this take too long to be advised.
-const MOST_FRAMES: usize = 1024;
+const MAX_FRAMES: usize = 1024;
 /// Albedo ratios tried for another colour.
 const RATIO_STEPS: usize = 18;
 
@@ -66,7 +66,7 @@ pub enum Advice {
 }
 
 impl Advice {
-    /// One sentence for people.
+    /// One sentence.
     pub fn words(&self, names: &Names) -> String {
         match self {
             Self::Order { bounces, instead, percent, instead_percent } => format!(
@@ -109,10 +109,10 @@ fn error_words(percent: f64) -> String {
 /// All advice on a verdict.
 pub(super) fn advise(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Vec<Advice> {
     // What the photos contradict cannot be forecast: first the calibration must be right.
-    let unforeseeable = |reason: &Reason| {
+    let unpredictable = |reason: &Reason| {
         matches!(reason, Reason::Contradicted { .. } | Reason::ReturnsTooMuch { .. } | Reason::Negative { .. })
     };
-    if trust.reasons.iter().any(|(_, reason)| unforeseeable(reason)) {
+    if trust.reasons.iter().any(|(_, reason)| unpredictable(reason)) {
         return another_pair(rig).into_iter().collect();
     }
     let all = [
@@ -147,7 +147,7 @@ fn better_order(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advi
     })
 }
 
-/// Where two colours are alike, the one of them whose loss hurts least. The reference colour stays: all is told in it.
+/// Where two colours are alike, the one of them whose loss hurts least. The reference colour stays: all is measured in it.
 fn leave_out(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advice> {
     let Some((_, Reason::SameAlbedo { first, second, .. })) = trust.reasons.first() else { return None };
     let without = |colour: usize| {
@@ -168,15 +168,15 @@ fn another_pair(rig: &Rig) -> Option<Advice> {
 
 /// Noise falls with the root of the frames: how many bring it under the limit for care.
 fn more_frames(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advice> {
-    let now = trust.normal?.quiet_noise_deg;
-    if now <= options.normal_deg.care || !now.is_finite() {
+    let now = trust.normal?.denoised_noise_deg;
+    if now <= options.limits.normal_deg.care || !now.is_finite() {
         return None;
     }
     let instead = rig.frames.max(1);
-    let frames = (instead as f64 * (now / options.normal_deg.care).powi(2)).ceil() as usize;
+    let frames = (instead as f64 * (now / options.limits.normal_deg.care).powi(2)).ceil() as usize;
     let frames = frames.next_power_of_two();
     let degrees = now * (instead as f64 / frames as f64).sqrt();
-    (frames <= MOST_FRAMES).then_some(Advice::Frames { frames, instead, degrees, instead_degrees: now })
+    (frames <= MAX_FRAMES).then_some(Advice::Frames { frames, instead, degrees, instead_degrees: now })
 }
 
 fn another_colour(rig: &Rig, trust: &Trust, options: &TrustOptions) -> Option<Advice> {
@@ -212,7 +212,7 @@ impl Rig {
         rig
     }
 
-    /// With a colour of this albedo, as bright and noisy as the reference colour would be, lit as the law of the tail says.
+    /// With a colour of this albedo, as bright and noisy as the reference colour would be, lit as the law of truncation says.
     fn with_colour(&self, ratio: f64, trust: &Trust) -> Option<Self> {
         let mut rig = self.clone();
         rig.beta.push(Estimate::exact(ratio));

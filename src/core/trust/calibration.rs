@@ -1,4 +1,4 @@
-//! What an error of alpha or beta does to the bounces, to first order.
+//! Calibration errors: what an error of alpha or beta does to the bounces, to first order.
 //!
 //! L = W N' with N'_c = N_c / alpha_c, and V L = N' with V_ck = beta_c^k. An alpha that is off by d moves N'_c by
 //! -N'_c d / alpha_c; a beta that is off by d moves V L by d sum_k k beta_c^(k-1) L_k, which the fit takes for light. For

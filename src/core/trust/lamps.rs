@@ -3,11 +3,11 @@
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::{LightTrust, NormalTrust, Rig, TrustOptions, calibration, values};
-use crate::denoise::quiet_noise;
+use crate::denoise::denoised_noise;
 use crate::separate::BounceSystem;
 
 /// Lamps whose directions span less than this (smallest over largest singular value) lie in a plane.
-const LEAST_SPREAD: f64 = 0.01;
+const MIN_SPREAD: f64 = 0.01;
 
 /// The lamps, and the facets they light.
 pub(super) struct Lamps {
@@ -26,7 +26,7 @@ impl Lamps {
         }
         let matrix = DMatrix::from_fn(toward.len(), 3, |l, axis| toward[l][axis]);
         let singular = matrix.singular_values();
-        if singular.min() < LEAST_SPREAD * singular.max() {
+        if singular.min() < MIN_SPREAD * singular.max() {
             return None;
         }
         let inverse = matrix.pseudo_inverse(0.0).ok()?;
@@ -52,7 +52,7 @@ impl Lamps {
         let sigma = |l: usize| rig.lights[l].sigma.as_slice();
         NormalTrust {
             noise_deg: noise(&|l| systems[l].noise(sigma(l))[0]),
-            quiet_noise_deg: noise(&|l| quiet_noise(&systems[l], sigma(l), &options.indirect)),
+            denoised_noise_deg: noise(&|l| denoised_noise(&systems[l], sigma(l), &options.denoise)),
             calibration_deg: self.degrees(self.calibration_squared(rig, lights, systems)),
         }
     }

@@ -1,8 +1,8 @@
-//! How far a separation can be trusted, from a few small matrices: no pixel is looked at, so that a verdict follows every
+//! The verdict on a separation, from a few small matrices: no pixel is looked at, so that a verdict follows every
 //! change of the order m, of alpha and of beta at once.
 //!
 //! Four things can spoil bounce 1: noise, errors of calibration, light that bounced more often than m times, and anything
-//! else that makes the colours disagree. Each is told by itself; the worst one gives the verdict.
+//! else that makes the colours disagree. Each is judged by itself; the worst one gives the verdict.
 
 mod advice;
 mod calibration;
@@ -10,34 +10,34 @@ mod lamps;
 mod options;
 mod pair;
 mod reason;
-mod tail;
+mod truncation;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
 pub use advice::Advice;
-pub use options::{TrustOptions, TwoLimits};
+pub use options::{Limits, TrustOptions, TwoLimits};
 pub use pair::{ColourPair, gain_of_ratio, pairs};
 pub use reason::{NO_DIRECTION_DEG, Names, Reason};
 
-use crate::denoise::quiet_noise;
+use crate::denoise::denoised_noise;
 use crate::interval::Estimate;
 use crate::separate::{BounceSystem, SeparateError, check_order};
 use lamps::Lamps;
 
-/// A verdict in three levels, from good to bad.
+/// Every verdict is one of three levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// Nothing stands out.
     #[default]
     Fine,
-    /// Usable, with an error that a person should know of.
+    /// Usable, with an error that the user should know of.
     TakeCare,
     /// The numbers are mostly error.
     DoNotTrust,
 }
 
 impl Level {
-    /// For people.
+    /// "fine", "take care" or "do not trust".
     pub fn words(self) -> &'static str {
         match self {
             Self::Fine => "fine",
@@ -86,12 +86,12 @@ pub struct LightTrust {
     /// Expected noise of a pixel of bounce 1; infinite, as all percentages, where bounce 1 comes out negative.
     pub noise_percent: f64,
     /// The same once the noise of indirect light is averaged away ([`crate::denoise`]).
-    pub quiet_noise_percent: f64,
+    pub denoised_noise_percent: f64,
     /// What the intervals of alpha and beta make of bounce 1 (standard deviation).
     pub calibration_percent: f64,
-    /// What light of more than m bounces adds to bounce 1 (negative: takes from it); `None` where one colour cannot tell.
-    pub tail_percent: Option<f64>,
-    /// The share of its light that the object sends back to itself at each bounce, as the mean photos tell.
+    /// What light of more than m bounces adds to bounce 1 (negative: takes from it); `None` with one colour.
+    pub truncation_percent: Option<f64>,
+    /// The share of its light that the object sends back to itself at each bounce, by the mean photos.
     pub return_share: Option<f64>,
 }
 
@@ -101,7 +101,7 @@ pub struct NormalTrust {
     /// By noise, bounce 1 as it is separated.
     pub noise_deg: f64,
     /// By noise, once the noise of indirect light is averaged away: what the normals are made from.
-    pub quiet_noise_deg: f64,
+    pub denoised_noise_deg: f64,
     /// By the intervals of alpha and beta.
     pub calibration_deg: f64,
 }
@@ -117,7 +117,7 @@ pub struct Trust {
     pub reasons: Vec<(Level, Reason)>,
     /// What would be better.
     pub advice: Vec<Advice>,
-    /// By light; empty where the colours cannot be told apart at all.
+    /// By light; empty where the colours cannot be separated at all.
     pub lights: Vec<LightTrust>,
     /// `None` for fewer than three lights of known direction, or lights in a plane.
     pub normal: Option<NormalTrust>,
@@ -129,10 +129,11 @@ impl Trust {
         self.lights.iter().map(value).reduce(f64::max)
     }
 
-    /// The error of bounce 1 to be expected, as a percentage of it: noise and calibration at random, the tail on top.
+    /// The error of bounce 1 to be expected, as a percentage of it: noise and calibration at random, truncation on top.
     pub fn error_percent(&self) -> f64 {
         let of = |light: &LightTrust| {
-            light.quiet_noise_percent.hypot(light.calibration_percent) + light.tail_percent.unwrap_or(0.0).abs()
+            light.denoised_noise_percent.hypot(light.calibration_percent)
+                + light.truncation_percent.unwrap_or(0.0).abs()
         };
         match self.lights.len() {
             0 => f64::INFINITY,
@@ -189,16 +190,17 @@ fn light_trust(rig: &Rig, light: &LightLevels, system: &BounceSystem, options: &
     let bounces: Vec<f64> = (&system.operator * DVector::from_column_slice(&light.mean)).iter().copied().collect();
     let percent = |error: f64| if bounces[0] > 0.0 { 100.0 * error / bounces[0] } else { f64::INFINITY };
     let noise = system.noise(&light.sigma)[0];
-    let quiet = quiet_noise(system, &light.sigma, &options.indirect);
+    let denoised = denoised_noise(system, &light.sigma, &options.denoise);
     let calibration =
         calibration::sources(rig, light, system, &bounces).map(|source| source.sd(0).powi(2)).sum::<f64>();
-    let return_share = tail::return_share(light, &rig.beta);
+    let return_share = truncation::return_share(light, &rig.beta);
     let beta = values(&rig.beta);
     LightTrust {
         noise_percent: percent(noise),
-        quiet_noise_percent: percent(quiet),
+        denoised_noise_percent: percent(denoised),
         calibration_percent: percent(calibration.sqrt()),
-        tail_percent: return_share.map(|share| 100.0 * tail::charge(system, &values(&light.alpha), &beta, share)),
+        truncation_percent: return_share
+            .map(|share| 100.0 * truncation::charge(system, &values(&light.alpha), &beta, share)),
         return_share,
         gain: system.gain.clone(),
         condition_number: system.condition_number,

@@ -1,4 +1,4 @@
-//! Why a separation is not simply fine, as data and in words.
+//! Reasons against a separation, as data and in words.
 
 use super::calibration::sources;
 use super::{Level, LightTrust, NormalTrust, Rig, TrustOptions, TwoLimits, values};
@@ -6,8 +6,8 @@ use crate::separate::{BounceSystem, closest_pair};
 
 /// A colour darker than this share of the reference sends too little light to measure bounces by.
 const DARK_BETA: f64 = 0.3;
-/// A mean that contradicts the law of the tail by less than this may be noise.
-const LEAST_CONTRADICTION: f64 = 0.05;
+/// A mean that contradicts the law of truncation by less than this may be noise.
+const MIN_CONTRADICTION: f64 = 0.05;
 /// Root mean square angles beyond this are no angles of normals that face the camera.
 pub const NO_DIRECTION_DEG: f64 = 60.0;
 
@@ -42,7 +42,7 @@ pub enum Reason {
         /// Both beta.
         beta: [f64; 2],
     },
-    /// The bounces cannot be told apart.
+    /// The bounces cannot be separated.
     Singular {
         /// The order m.
         bounces: usize,
@@ -92,7 +92,7 @@ pub enum Reason {
         is_beta: bool,
     },
     /// Light of more than m bounces.
-    Tail {
+    Truncation {
         /// What it adds to bounce 1, in percent of it.
         percent: f64,
         /// The order m.
@@ -112,22 +112,22 @@ pub enum Reason {
         /// Under which light most.
         light: usize,
     },
-    /// One colour tells nothing of bounces.
+    /// One colour says nothing about bounces.
     OneColour,
 }
 
 impl Reason {
-    /// One sentence for people.
+    /// One sentence.
     pub fn words(&self, names: &Names) -> String {
         match self {
             Self::SameAlbedo { first, second, beta } => format!(
-                "beta of {} and {} is {:.3} and {:.3}: they see the paint alike and cannot tell bounces apart",
+                "beta of {} and {} is {:.3} and {:.3}: they see the paint alike and cannot separate bounces",
                 names.colour(*first),
                 names.colour(*second),
                 beta[0],
                 beta[1]
             ),
-            Self::Singular { bounces } => format!("{bounces} bounces cannot be told apart with these beta"),
+            Self::Singular { bounces } => format!("{bounces} bounces cannot be separated with these beta"),
             Self::Negative { light } => {
                 format!("under light {} bounce 1 comes out negative: alpha or beta is wrong", names.light(*light))
             }
@@ -151,7 +151,7 @@ impl Reason {
                 names.colour(*colour),
                 names.light(*light)
             ),
-            Self::Tail { percent, bounces, light } => tail_words(*percent, *bounces, names.light(*light)),
+            Self::Truncation { percent, bounces, light } => truncation_words(*percent, *bounces, names.light(*light)),
             Self::ReturnsTooMuch { share, light } => format!(
                 "with these alpha and beta the object would send {:.0} % of its light back to itself under light {}: \
                  beta is probably too large",
@@ -163,7 +163,7 @@ impl Reason {
                  object is of another paint than the ball",
                 names.light(*light)
             ),
-            Self::OneColour => "one colour cannot tell direct light from light between the walls".into(),
+            Self::OneColour => "one colour cannot separate direct light from light between the walls".into(),
         }
     }
 }
@@ -180,7 +180,7 @@ fn gain_words(gain: f64, bounces: usize, closest: (usize, usize), beta: f64, nam
     }
 }
 
-fn tail_words(percent: f64, bounces: usize, light: &str) -> String {
+fn truncation_words(percent: f64, bounces: usize, light: &str) -> String {
     let by = percent.abs();
     if bounces == 1 {
         return format!(
@@ -200,14 +200,6 @@ impl TwoLimits {
     /// A reason with its level, and how many times the limit of care its value is.
     fn judged(self, value: f64, reason: Reason) -> Found {
         Found { level: self.level(value), excess: value / self.care, reason }
-    }
-
-    fn level(self, value: f64) -> Level {
-        match value {
-            value if value.is_nan() || value > self.distrust => Level::DoNotTrust,
-            value if value > self.care => Level::TakeCare,
-            _ => Level::Fine,
-        }
     }
 }
 
@@ -239,21 +231,21 @@ pub(super) fn reasons(
     found.extend(negative.map(|light| Found::hopeless(Reason::Negative { light })));
     found.extend(worst(&|light| light.gain[0]).and_then(|l| gain_reason(rig, lights[l].gain[0], options)));
     if let Some(normal) = normal {
-        let noise = normal.quiet_noise_deg;
-        found.push(options.normal_deg.judged(noise, Reason::NormalNoise { degrees: noise }));
+        let noise = normal.denoised_noise_deg;
+        found.push(options.limits.normal_deg.judged(noise, Reason::NormalNoise { degrees: noise }));
         let bend = normal.calibration_deg;
-        found.push(options.normal_deg.judged(bend, Reason::CalibrationBend { degrees: bend }));
+        found.push(options.limits.normal_deg.judged(bend, Reason::CalibrationBend { degrees: bend }));
     }
     // There are no percents of a bounce 1 that is not there.
     if negative.is_none() {
         if let Some(light) = worst(&|light| light.noise_percent) {
             let percent = lights[light].noise_percent;
-            found.push(options.light_percent.judged(percent, Reason::LightNoise { percent, light }));
+            found.push(options.limits.light_percent.judged(percent, Reason::LightNoise { percent, light }));
         }
         let calibration = worst(&|light| light.calibration_percent);
         found.extend(calibration.and_then(|l| calibration_reason(rig, lights, l, options)));
     }
-    found.extend(tail_reason(lights, options));
+    found.extend(truncation_reason(lights, options));
     if rig.beta.len() == 1 {
         found.push(Found { level: Level::TakeCare, excess: 1.0, reason: Reason::OneColour });
     }
@@ -267,7 +259,7 @@ fn gain_reason(rig: &Rig, gain: f64, options: &TrustOptions) -> Option<Found> {
     let (a, b) = closest_pair(&beta)?;
     let closest = if beta[a] < beta[b] { (b, a) } else { (a, b) };
     let reason = Reason::Gain { gain, bounces: options.bounces, closest, beta: beta[closest.1] };
-    (options.bounces > 1).then(|| options.gain.judged(gain, reason))
+    (options.bounces > 1).then(|| options.limits.gain.judged(gain, reason))
 }
 
 fn calibration_reason(rig: &Rig, lights: &[LightTrust], light: usize, options: &TrustOptions) -> Option<Found> {
@@ -277,24 +269,24 @@ fn calibration_reason(rig: &Rig, lights: &[LightTrust], light: usize, options: &
     let most = sources(rig, levels, &system, &lights[light].bounces).max_by(|a, b| a.sd(0).total_cmp(&b.sd(0)))?;
     let percent = lights[light].calibration_percent;
     let reason = Reason::CalibrationError { percent, light, colour: most.colour, is_beta: most.is_beta };
-    Some(options.light_percent.judged(percent, reason))
+    Some(options.limits.light_percent.judged(percent, reason))
 }
 
-/// Either the photos fit no object, or they tell its tail.
-fn tail_reason(lights: &[LightTrust], options: &TrustOptions) -> Option<Found> {
+/// Either the photos fit no object, or they give its truncation error.
+fn truncation_reason(lights: &[LightTrust], options: &TrustOptions) -> Option<Found> {
     let shares =
         || lights.iter().map(|light| light.return_share).enumerate().filter_map(|(l, share)| Some((l, share?)));
     let (most_light, most) = shares().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let (least_light, least) = shares().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    if least < -LEAST_CONTRADICTION {
+    if least < -MIN_CONTRADICTION {
         return Some(Found::hopeless(Reason::Contradicted { light: least_light }));
     }
-    if most > options.return_share.care {
+    if most > options.limits.return_share.care {
         let reason = Reason::ReturnsTooMuch { share: most, light: most_light };
-        return Some(options.return_share.judged(most, reason));
+        return Some(options.limits.return_share.judged(most, reason));
     }
-    let tails = lights.iter().enumerate().filter_map(|(l, light)| Some((l, light.tail_percent?)));
-    let (light, percent) = tails.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    let reason = Reason::Tail { percent, bounces: options.bounces, light };
-    Some(options.light_percent.judged(percent.abs(), reason))
+    let errors = lights.iter().enumerate().filter_map(|(l, light)| Some((l, light.truncation_percent?)));
+    let (light, percent) = errors.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let reason = Reason::Truncation { percent, bounces: options.bounces, light };
+    Some(options.limits.light_percent.judged(percent.abs(), reason))
 }

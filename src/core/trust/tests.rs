@@ -49,7 +49,7 @@ fn clean_photos_of_two_good_colours_are_fine() {
     assert!(trust.reasons.is_empty());
 }
 
-/// SCIENCE: the gain at 0.97 is sqrt(1 + 0.97^4) / (0.97 * 0.03) = 47.
+/// METHOD.md, equation (b): the gain at 0.97 is sqrt(1 + 0.97^4) / (0.97 * 0.03) = 47.
 #[test]
 fn colours_that_see_the_paint_alike_are_not_trusted() {
     let trust = judge(&rig(&[1.0, 0.97], 0.1, 1e-4), &of_order(2)).unwrap();
@@ -86,7 +86,7 @@ fn noise_asks_for_frames_that_take_it_below_the_limit() {
     let (frames, degrees) = frames.unwrap();
     let scale = (4.0 / frames as f64).sqrt();
     noisy.lights.iter_mut().for_each(|light| light.sigma.iter_mut().for_each(|sigma| *sigma *= scale));
-    let then = judge(&noisy, &of_order(2)).unwrap().normal.unwrap().quiet_noise_deg;
+    let then = judge(&noisy, &of_order(2)).unwrap().normal.unwrap().denoised_noise_deg;
     assert!((then - degrees).abs() < 1e-9 && then <= 2.0, "{then}");
 }
 
@@ -98,9 +98,9 @@ fn a_wrong_beta_contradicts_the_photos() {
     assert!(matches!(trust.reasons[0], (Level::DoNotTrust, Reason::Contradicted { .. })), "{}", said(&trust));
 }
 
-/// The law of a spherical cap is exact: what the tail is charged with is what a fit of its photos gets wrong.
+/// The law of a spherical cap is exact: what truncation is charged with is what a fit of its photos gets wrong.
 #[test]
-fn the_tail_of_a_cap_is_foretold_exactly() {
+fn the_truncation_error_of_a_cap_is_predicted_exactly() {
     for (beta, bounces) in
         [(vec![1.0, 0.5], 1), (vec![1.0, 0.5], 2), (vec![1.0, 0.7, 0.3], 2), (vec![1.0, 0.7, 0.3], 3)]
     {
@@ -110,13 +110,13 @@ fn the_tail_of_a_cap_is_foretold_exactly() {
             for light in &trust.lights {
                 assert!((light.return_share.unwrap() - share).abs() < 1e-4);
                 let error = 100.0 * (light.bounces[0] / 0.2 - 1.0);
-                assert!((light.tail_percent.unwrap() - error).abs() < 0.05, "{bounces} bounces, share {share}");
+                assert!((light.truncation_percent.unwrap() - error).abs() < 0.05, "{bounces} bounces, share {share}");
             }
         }
     }
 }
 
-/// Every random draw of alpha and beta from its interval, separated anew, against the first-order formulas.
+/// Every random draw of alpha and beta from its interval, separated again, against the first-order formulas.
 #[test]
 fn calibration_errors_are_those_of_random_calibrations() {
     let mut truth = rig(&[1.0, 0.55], 0.2, 1e-4);
@@ -153,7 +153,7 @@ fn calibration_errors_are_those_of_random_calibrations() {
 #[test]
 fn noise_in_degrees_is_that_of_photometric_stereo() {
     use crate::stereo::normals::{DirectLight, Lamp, NormalsOptions, Surface, normals};
-    use crate::{Camera, Mask, Plane, Projection, Unwatched};
+    use crate::{Camera, Marks, Mask, Plane, Projection, Unwatched};
 
     let rig = rig(&[1.0, 0.5], 0.2, 5e-4);
     let trust = assess(&rig, &of_order(2)).unwrap();
@@ -165,7 +165,7 @@ fn noise_in_degrees_is_that_of_photometric_stereo() {
         .map(|l| DirectLight {
             direct: &direct[l],
             noise: Some(&noise[l]),
-            marks: &[0],
+            marks: &Marks::filled(1, 1, 0),
             lamp: Lamp::Distant(rig.lights[l].toward.unwrap()),
             intensity: rig.lights[l].toward.unwrap().norm(),
         })

@@ -13,14 +13,16 @@ use firstbounce_core::light::radiosity::{BounceOptions, FormFactorOptions, Patch
 use firstbounce_core::light::scene::{
     Lamp, RenderOptions, Rendering, SceneError, Shape, directions_on_ring, framed, render,
 };
+use firstbounce_core::options::check_range;
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, Separation, UNSOLVED, separate};
 use firstbounce_core::stereo::normals::{DirectLight, Lamp as StereoLamp, NormalsOptions, Surface, normals};
 use firstbounce_core::{Camera, Mask, NormalMap, Photo, Plane, Portion, Watch};
 use nalgebra::{Unit, Vector3};
+use serde::Serialize;
 
 use crate::{LabError, Sensor};
 
-pub use report::{Figure3Words, PUBLISHED, PaperErrorWords, PaperRowWords, PaperWords, PublishedWords, paper_html};
+pub use report::{PUBLISHED, PaperRecord, PaperRowRecord, PublishedRecord, paper_html};
 
 /// How finely the scenes are rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,17 +44,14 @@ impl Default for PaperOptions {
 impl PaperOptions {
     /// Whether every option is in its range; the shapes check their patches.
     pub fn check(&self) -> Result<(), LabError> {
-        if (16..=4096).contains(&self.size_px) {
-            return Ok(());
-        }
-        Err(LabError::BadOption { option: "size_px", value: self.size_px as f64, range: "16 to 4096" })
+        Ok(check_range("size_px", self.size_px as f64, (16..=4096).contains(&self.size_px), "16 to 4096")?)
     }
 }
 
 /// Mean errors over the pixels that all three lamps light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PaperErrors {
-    /// Normals from the photos as they are.
+    /// Normals from the photos without separation.
     pub raw_deg: f64,
     /// Normals from bounce 1.
     pub separated_deg: f64,
@@ -85,7 +84,7 @@ pub struct TableRow {
 }
 
 /// A point of Figure 3.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figure3Point {
     /// beta: the second albedo over the first.
     pub ratio: f64,
@@ -136,23 +135,12 @@ pub fn paper(options: &PaperOptions, watch: &dyn Watch) -> Result<Paper, LabErro
         light: "four bounces",
     };
     let corner = corner.render(options.size_px, &Portion { watch, from: 0.0, to: 0.2 })?;
-    let figure3 = corner.figure3(&Quiet(watch))?;
-    let mut table = corner.rows(&Quiet(watch))?;
+    let figure3 = corner.figure3(&Portion::still(watch, 0.2))?;
+    let mut table = corner.rows(&Portion::still(watch, 0.3))?;
     let tray = tray.render(options.size_px, &Portion { watch, from: 0.3, to: 0.9 })?;
-    table.extend(tray.rows(&Quiet(watch))?);
+    table.extend(tray.rows(&Portion::still(watch, 0.9))?);
     watch.progress(1.0);
     Ok(Paper { table, figure3 })
-}
-
-/// Passes on the wish to stop, and no progress: many short stages would make it jump.
-struct Quiet<'a>(&'a dyn Watch);
-
-impl Watch for Quiet<'_> {
-    fn progress(&self, _fraction: f32) {}
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
 }
 
 /// A scene and its paint.
@@ -262,7 +250,7 @@ impl Rendered {
         let exact_map = self.normals(&exact, watch)?;
         let solved = |pixel: usize| {
             [&raw_map, &separated_map, &exact_map].iter().all(|map| map.at_index(pixel).is_some())
-                && separated.iter().all(|light| light.marks[pixel] & UNSOLVED == 0)
+                && separated.iter().all(|light| light.marks.data()[pixel] & UNSOLVED == 0)
         };
         let compared = restricted(&self.lit, solved);
         let degrees = |map: &NormalMap| {
@@ -338,7 +326,7 @@ impl Rendered {
                 self.separate(&photos.collect::<Result<Vec<_>, _>>()?, &beta, watch)
             };
             let separated = (0..LAMPS).map(separated).collect::<Result<Vec<_>, LabError>>()?;
-            let solved = |pixel: usize| separated.iter().all(|light| light.marks[pixel] & UNSOLVED == 0);
+            let solved = |pixel: usize| separated.iter().all(|light| light.marks.data()[pixel] & UNSOLVED == 0);
             let (error, truth) = self.direct_error(&separated, &restricted(&self.lit, solved));
             Ok(Figure3Point { ratio, bits, error_percent: 100.0 * error / truth })
         };

@@ -69,7 +69,7 @@ pub struct Curve {
 /// A plot of curves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
-    /// What a person who does not see it is told.
+    /// The text alternative.
     pub description: String,
     /// Across.
     pub x: Axis,

@@ -1,4 +1,4 @@
-//! The paper's synthetic experiments, done again, for programs and for people.
+//! The paper's synthetic experiments, reproduced: records and a page.
 
 use firstbounce_core::trust::gain_of_ratio;
 use maud::{Markup, html};
@@ -10,8 +10,8 @@ use firstbounce_capture::report::page::page;
 
 /// What survives of the paper's own figures for one scene. The scan lost most cells of its Table 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PublishedWords {
-    /// Which of our scenes stands for the paper's.
+pub struct PublishedRecord {
+    /// Which of our scenes represents the paper's.
     pub scene: &'static str,
     /// Mean error of the normals from the photos as they are.
     pub raw_deg: Option<f64>,
@@ -26,8 +26,8 @@ pub struct PublishedWords {
 }
 
 /// The paper's surviving figures: its sections 4 and 4.1.
-pub const PUBLISHED: [PublishedWords; 2] = [
-    PublishedWords {
+pub const PUBLISHED: [PublishedRecord; 2] = [
+    PublishedRecord {
         scene: "corner",
         raw_deg: Some(7.88),
         separated_deg: Some(1.11),
@@ -35,7 +35,7 @@ pub const PUBLISHED: [PublishedWords; 2] = [
         mean_direct_level: 94.0,
         direct_error_percent: 0.8,
     },
-    PublishedWords {
+    PublishedRecord {
         scene: "tray",
         raw_deg: None,
         separated_deg: None,
@@ -48,22 +48,22 @@ pub const PUBLISHED: [PublishedWords; 2] = [
 /// All results. Errors without a prefix are of pictures of 8 bits, as the paper's were; those under `noiseless` of
 /// pictures without noise or rounding.
 #[derive(Clone, Debug, Serialize)]
-pub struct PaperWords {
+pub struct PaperRecord {
     /// The program and its version.
     pub program: String,
     /// Side of the pictures.
     pub size_px: usize,
     /// The synthetic half of Table 1.
-    pub table: Vec<PaperRowWords>,
+    pub table: Vec<PaperRowRecord>,
     /// Figure 3.
-    pub figure3: Vec<Figure3Words>,
+    pub figure3: Vec<Figure3Point>,
     /// The paper's own figures.
-    pub published: [PublishedWords; 2],
+    pub published: [PublishedRecord; 2],
 }
 
 /// One scene under one kind of light, in pictures of 8 bits.
 #[derive(Clone, Debug, Serialize)]
-pub struct PaperRowWords {
+pub struct PaperRowRecord {
     /// "corner" or "tray".
     pub scene: &'static str,
     /// "two bounces", "four bounces" or "all bounces": what the pictures hold.
@@ -78,51 +78,25 @@ pub struct PaperRowWords {
     pub mean_direct_level: f64,
     /// Errors in pictures of 8 bits.
     #[serde(flatten)]
-    pub errors: PaperErrorWords,
+    pub errors: PaperErrors,
     /// The same without noise or rounding.
-    pub noiseless: PaperErrorWords,
+    pub noiseless: PaperErrors,
 }
 
-/// Mean errors over the pixels that all three lamps light.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct PaperErrorWords {
-    /// Normals from the pictures as they are.
-    pub raw_deg: f64,
-    /// Normals from bounce 1.
-    pub separated_deg: f64,
-    /// Normals from the true direct light: what photometric stereo itself costs.
-    pub true_direct_deg: f64,
-    /// Bounce 1 against the true direct light, in percent of its mean.
-    pub direct_error_percent: f64,
-    /// The same in grey levels of 8 bits.
-    pub direct_error_levels: f64,
-}
-
-/// A point of Figure 3.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Figure3Words {
-    /// beta: the second albedo over the first.
-    pub ratio: f64,
-    /// Bits of the pictures.
-    pub bits: u32,
-    /// Mean error of bounce 1 in percent of the mean true direct light.
-    pub error_percent: f64,
-}
-
-impl PaperWords {
+impl PaperRecord {
     /// Of results found with these options.
     pub fn of(paper: &Paper, options: &PaperOptions) -> Self {
         Self {
             program: format!("firstbounce {}", env!("CARGO_PKG_VERSION")),
             size_px: options.size_px,
-            table: paper.table.iter().map(PaperRowWords::of).collect(),
-            figure3: paper.figure3.iter().map(Figure3Words::of).collect(),
+            table: paper.table.iter().map(PaperRowRecord::of).collect(),
+            figure3: paper.figure3.clone(),
             published: PUBLISHED,
         }
     }
 }
 
-impl PaperRowWords {
+impl PaperRowRecord {
     fn of(row: &TableRow) -> Self {
         Self {
             scene: row.scene,
@@ -131,37 +105,19 @@ impl PaperRowWords {
             bits: 8,
             albedos: row.albedos.clone(),
             mean_direct_level: row.mean_direct_level,
-            errors: PaperErrorWords::of(row.eight_bit),
-            noiseless: PaperErrorWords::of(row.noiseless),
+            errors: row.eight_bit,
+            noiseless: row.noiseless,
         }
     }
 
     /// The paper's own figures for this row: they are of light that bounced as often as was separated.
-    pub fn published(&self) -> Option<&'static PublishedWords> {
+    pub fn published(&self) -> Option<&'static PublishedRecord> {
         PUBLISHED.iter().find(|published| published.scene == self.scene && self.light != "all bounces")
     }
 }
 
-impl PaperErrorWords {
-    fn of(errors: PaperErrors) -> Self {
-        Self {
-            raw_deg: errors.raw_deg,
-            separated_deg: errors.separated_deg,
-            true_direct_deg: errors.true_direct_deg,
-            direct_error_percent: errors.direct_error_percent,
-            direct_error_levels: errors.direct_error_levels,
-        }
-    }
-}
-
-impl Figure3Words {
-    fn of(point: &Figure3Point) -> Self {
-        Self { ratio: point.ratio, bits: point.bits, error_percent: point.error_percent }
-    }
-}
-
 /// The page.
-pub fn paper_html(words: &PaperWords) -> String {
+pub fn paper_html(words: &PaperRecord) -> String {
     let body = html! {
         p {
             "Liao, Huang, Yang: \"Interreflection Removal for Photometric Stereo by Using Spectrum-dependent Albedo\", \
@@ -195,7 +151,7 @@ pub fn paper_html(words: &PaperWords) -> String {
     page("The paper's synthetic experiments", include_str!("plot.css"), &words.program, &body)
 }
 
-fn table(words: &PaperWords) -> Markup {
+fn table(words: &PaperRecord) -> Markup {
     let of = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
     html! {
         table {
@@ -226,8 +182,8 @@ fn table(words: &PaperWords) -> Markup {
     }
 }
 
-fn degrees(words: &PaperWords) -> Markup {
-    let group = |row: &PaperRowWords| {
+fn degrees(words: &PaperRecord) -> Markup {
+    let group = |row: &PaperRowRecord| {
         let bars = vec![
             Bar { name: "as they are", class: "before", value: row.errors.raw_deg },
             Bar { name: "bounce 1, 8 bits", class: "first", value: row.errors.separated_deg },
@@ -244,7 +200,7 @@ fn degrees(words: &PaperWords) -> Markup {
     }
 }
 
-fn figure3(words: &PaperWords) -> Plot {
+fn figure3(words: &PaperRecord) -> Plot {
     let of_bits = |bits: u32| words.figure3.iter().filter(move |point| point.bits == bits);
     let curve = |bits: u32, class: &'static str| {
         let side = |keep: fn(f64) -> bool| -> Vec<(f64, f64)> {
@@ -282,7 +238,7 @@ fn figure3(words: &PaperWords) -> Plot {
     }
 }
 
-fn figure3_table(words: &PaperWords) -> Markup {
+fn figure3_table(words: &PaperRecord) -> Markup {
     let error = |ratio: f64, bits: u32| {
         let point = words.figure3.iter().find(|point| point.ratio == ratio && point.bits == bits);
         point.map_or_else(String::new, |point| format!("{:.4}", point.error_percent))

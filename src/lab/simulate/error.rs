@@ -1,10 +1,11 @@
-//! Why nothing was simulated.
+//! The errors of a simulation.
 
 use std::path::PathBuf;
 
 use crate::LabError;
 use firstbounce_core::light::radiosity::RadiosityError;
 use firstbounce_core::light::scene::SceneError;
+use firstbounce_core::options::OptionError;
 use thiserror::Error;
 
 use firstbounce_capture::atomic::WriteError;
@@ -15,15 +16,8 @@ use firstbounce_capture::set::Problem;
 #[derive(Debug, Error)]
 pub enum SimulateError {
     /// An option out of its range.
-    #[error("{option} is {value}; it must be {range}")]
-    BadOption {
-        /// Which.
-        option: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it may be.
-        range: &'static str,
-    },
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// An albedo no paint has.
     #[error("albedo {albedo} is not between 0 and 1; no paint reflects that much")]
     BadAlbedo {
@@ -121,7 +115,7 @@ pub enum SimulateError {
         /// One of its files.
         found: String,
     },
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled; nothing was written")]
     Cancelled,
 }

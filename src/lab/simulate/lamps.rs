@@ -1,4 +1,4 @@
-//! Lamps, as a person writes them.
+//! Lamps, as the user writes them.
 
 use std::str::FromStr;
 
@@ -12,7 +12,7 @@ const BALANCE_SPREAD: f64 = 0.05;
 /// Points along each side of an area lamp.
 const POINTS_PER_AREA_SIDE: usize = 6;
 
-/// Where a lamp stands, or how it shines.
+/// Where a lamp is, or how it shines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LampPlace {
     /// Far away: from the object to the light, of any length.
@@ -149,7 +149,7 @@ impl LampOptions {
     }
 }
 
-/// One or more lamps, as a person writes them: `ring:3:20`, `dir:0.3,0,1`, `point:-390,80,1400`, `area:0,0,900:80`.
+/// One or more lamps, as the user writes them: `ring:3:20`, `dir:0.3,0,1`, `point:-390,80,1400`, `area:0,0,900:80`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LampPlaces(pub Vec<LampPlace>);
 

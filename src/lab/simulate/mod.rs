@@ -26,7 +26,7 @@ pub use error::SimulateError;
 pub use lamps::{LampOptions, LampPlace, LampPlaces, NoLamp};
 pub use options::{BallOptions, Exposure, Measures, Scene, SimulateOptions};
 pub use plan::{PlanGrid, plan_advice, plan_rig};
-pub use write::{RigWords, check_folder, write_simulated};
+pub use write::{RigRecord, check_folder, write_simulated};
 
 /// More of the visible surface than this seen from behind is a mesh turned inside out.
 const INSIDE_OUT: f64 = 0.5;
@@ -35,7 +35,7 @@ const SPECK: f64 = 0.002;
 /// A surface lies at z = 0 when its height differs from it by less than this fraction of its diagonal.
 const LEVEL: f64 = 1e-4;
 /// How often a surface is put lower or higher.
-const MOST_LOOKS: usize = 5;
+const MAX_LOOKS: usize = 5;
 
 /// A surface whose light can be simulated for any paint and lamps, and the camera before it.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ pub struct PreparedScene {
     camera: Camera,
     /// How good the form factors are.
     pub report: FormFactorReport,
-    /// What a person should know.
+    /// What the user should know.
     pub warnings: Vec<String>,
 }
 
@@ -73,7 +73,7 @@ pub struct SimulatedTruth {
     /// By light: linear light of bounce 1, 2, .. in the reference colour.
     pub bounces: Vec<Vec<Plane>>,
     /// What the lamps and the paint are.
-    pub rig: RigWords,
+    pub rig: RigRecord,
 }
 
 /// A capture set in memory.
@@ -85,11 +85,11 @@ pub struct Simulated {
     pub photos: Vec<StoredPhoto>,
     /// What is true of it.
     pub truth: SimulatedTruth,
-    /// What the simulation tells of itself.
+    /// What the simulation reports.
     pub report: SimulateReport,
 }
 
-/// What a simulation tells of itself.
+/// What a simulation reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulateReport {
     /// The scene's name.
@@ -102,7 +102,7 @@ pub struct SimulateReport {
     pub indirect_share: f64,
     /// Pixels of the object that clip, in the photo with the most of them.
     pub clipped_pixels: usize,
-    /// What a person should know.
+    /// What the user should know.
     pub warnings: Vec<String>,
 }
 
@@ -140,7 +140,7 @@ pub fn prepare(options: &SimulateOptions, watch: &dyn Watch) -> Result<PreparedS
     let (factors, report) = form_factors(patches, &factor_options, watch)?;
     if !report.stored {
         warnings.push(format!(
-            "form factors of {} patches need {} MiB, more than the limit of {} MiB: they are computed anew for every bounce, \
+            "form factors of {} patches need {} MiB, more than the limit of {} MiB: they are computed again for every bounce, \
              which takes longer",
             report.patches,
             (2 * report.patches as u64 * (report.patches as u64 - 1)) >> 20,
@@ -182,7 +182,7 @@ pub fn simulate_prepared(
 /// The surface before its camera, at the height at which depth from normals will be put: near lamps and a pinhole stand where
 /// they do over that z = 0.
 fn placed(mut mesh: Mesh, options: &SimulateOptions) -> Result<(Patches, Camera), SimulateError> {
-    // A first guess that no pinhole stands in.
+    // A first guess that no pinhole is in.
     let (low, high) = mesh.bounds().ok_or(SceneError::NothingToSee)?;
     let mut height_mm = f64::from(low.z + high.z) / 2.0;
     let mut looks = 0;
@@ -193,7 +193,7 @@ fn placed(mut mesh: Mesh, options: &SimulateOptions) -> Result<(Patches, Camera)
         height_mm = mean_height_seen(&patches, &camera).ok_or(SceneError::NothingToSee)?;
         looks += 1;
         // A pinhole sees another part of a surface that has moved, if only a little.
-        if height_mm.abs() < LEVEL * patches.diagonal_mm() || looks == MOST_LOOKS {
+        if height_mm.abs() < LEVEL * patches.diagonal_mm() || looks == MAX_LOOKS {
             return Ok((patches, camera));
         }
         mesh = framed;
@@ -206,7 +206,7 @@ fn mesh_of(scene: &Scene, patches: usize) -> Result<Mesh, SimulateError> {
         Scene::Shape(shape) => return Ok(shape.mesh(patches)?),
         Scene::Mesh { name, mesh } => (name, mesh),
     };
-    let (triangles, most) = (mesh.triangles.len(), SimulateOptions::MOST_PATCHES);
+    let (triangles, most) = (mesh.triangles.len(), SimulateOptions::MAX_PATCHES);
     if triangles > most {
         return Err(SimulateError::TooManyTriangles { name: name.clone(), triangles, most });
     }

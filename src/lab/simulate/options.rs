@@ -1,9 +1,10 @@
-//! What is to be simulated.
+//! The options of a simulation.
 
 use std::path::Path;
 
 use firstbounce_core::Mesh;
 use firstbounce_core::light::scene::{Lens, Shape};
+use firstbounce_core::options::check_range;
 
 use super::{LampOptions, SimulateError};
 use crate::{Crosstalk, Sensor};
@@ -16,7 +17,7 @@ pub enum Scene {
     Shape(Shape),
     /// Any mesh, in mm, its fronts toward +z; refined where it has fewer triangles than patches are asked for.
     Mesh {
-        /// What a person calls it.
+        /// What the user calls it.
         name: String,
         /// The surface.
         mesh: Mesh,
@@ -57,7 +58,7 @@ impl Scene {
         }))
     }
 
-    /// The mesh of a file, called as the file is, and what a person should know of it. `flip` turns its faces the other way
+    /// The mesh of a file, called as the file is, and what the user should know of it. `flip` turns its faces the other way
     /// round.
     ///
     /// # Errors
@@ -83,7 +84,7 @@ impl Scene {
         }
     }
 
-    /// What a person calls it.
+    /// What the user calls it.
     pub fn name(&self) -> &str {
         match self {
             Self::Shape(Shape::Corner { .. }) => "corner",
@@ -131,7 +132,7 @@ pub struct SimulateOptions {
     pub scene: Scene,
     /// About how many patches exchange light. Time grows with the square.
     pub patches: usize,
-    /// Above this, form factors are not kept but computed anew for every bounce.
+    /// Above this, form factors are not kept but computed again for every bounce.
     pub memory_limit_bytes: u64,
     /// The paint: an albedo for each colour, the reference colour first.
     pub albedos: Vec<f64>,
@@ -145,7 +146,7 @@ pub struct SimulateOptions {
     pub size_px: usize,
     /// Samples along each side of a pixel.
     pub samples_per_pixel_side: usize,
-    /// How many bounces the truth tells apart.
+    /// How many bounces the truth holds.
     pub truth_bounces: usize,
     /// The sensor; its exposure is 1, see `exposure`.
     pub sensor: Sensor,
@@ -188,7 +189,7 @@ impl SimulateOptions {
         (1..=count).map(|c| format!("c{c}")).collect()
     }
 
-    /// Where no light is stored by a sensor that stores this much at most, unless a person says otherwise.
+    /// Where no light is stored by a sensor that stores this much at most, unless the user says otherwise.
     pub fn usual_black_level(white_level: f64) -> f64 {
         (white_level / 128.0).round()
     }
@@ -200,49 +201,45 @@ impl SimulateOptions {
 
     /// Whether every option is in its range. Lengths of shapes are checked where the shape is made.
     pub fn check(&self) -> Result<(), SimulateError> {
-        let bad = |option, value, range| Err(SimulateError::BadOption { option, value, range });
         if let Some(&albedo) = self.albedos.iter().find(|&&albedo| !(albedo > 0.0 && albedo < 1.0)) {
             return Err(SimulateError::BadAlbedo { albedo });
         }
-        if self.albedos.is_empty() {
-            return bad("the number of albedos", 0.0, "one for each lamp colour, at least one");
-        }
+        let albedos = self.albedos.len() as f64;
+        let range = "one for each lamp colour, at least one";
+        check_range("the number of albedos", albedos, !self.albedos.is_empty(), range)?;
         let colours = self.albedos.len();
         if self.colours.len() != colours {
             return Err(SimulateError::Count { what: "colour names", found: self.colours.len(), expected: colours });
         }
-        if self.lamps.is_empty() {
-            return bad("the number of lamps", 0.0, "at least 1; normals need 3");
-        }
+        let lamps = self.lamps.len();
+        check_range("the number of lamps", lamps as f64, lamps >= 1, "at least 1; normals need 3")?;
         for lamp in &self.lamps {
             lamp.check(colours)?;
         }
         for (option, value, least, most, range) in [
-            ("patches", self.patches, 2, Self::MOST_PATCHES, "2 to 60000"),
+            ("patches", self.patches, 2, Self::MAX_PATCHES, "2 to 60000"),
             ("pixels", self.size_px, 16, 4096, "16 to 4096"),
             ("samples", self.samples_per_pixel_side, 1, 16, "1 to 16"),
             ("bounces", self.truth_bounces, 1, 16, "1 to 16"),
             ("the size of the balls' pictures", self.balls.map_or(200, |balls| balls.size_px), 32, 4096, "32 to 4096"),
         ] {
-            if !(least..=most).contains(&value) {
-                return bad(option, value as f64, range);
-            }
+            check_range(option, value as f64, (least..=most).contains(&value), range)?;
         }
         if let Some(balls) = self.balls.filter(|balls| !(balls.grey_albedo > 0.0 && balls.grey_albedo < 1.0)) {
             return Err(SimulateError::BadAlbedo { albedo: balls.grey_albedo });
         }
         match self.exposure {
-            Exposure::Brightest(light) if !(light > 0.0 && light <= 1.0) => {
-                return bad("the light of the brightest pixel", light, "above 0 and at most 1");
+            Exposure::Brightest(light) => {
+                let in_range = light > 0.0 && light <= 1.0;
+                check_range("the light of the brightest pixel", light, in_range, "above 0 and at most 1")?;
             }
-            Exposure::White(light) if !(light > 0.0 && light.is_finite()) => {
-                return bad("the exposure", light, "more than 0");
+            Exposure::White(light) => {
+                check_range("the exposure", light, light > 0.0 && light.is_finite(), "more than 0")?;
             }
-            _ => {}
         }
         Ok(self.sensor.check()?)
     }
 
     /// More would take hours.
-    pub const MOST_PATCHES: usize = 60_000;
+    pub const MAX_PATCHES: usize = 60_000;
 }

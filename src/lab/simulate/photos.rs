@@ -5,12 +5,12 @@ use firstbounce_core::light::scene::{LitPlanes, RenderReport, Rendering};
 use firstbounce_core::sphere::{Ball, Circle, View};
 use firstbounce_core::{Mask, Plane, Projection, Watch};
 
-use super::write::RigWords;
+use super::write::RigRecord;
 use super::{
     BallOptions, Exposure, PreparedScene, SimulateError, SimulateOptions, SimulateReport, Simulated, SimulatedTruth,
     StoredPhoto,
 };
-use firstbounce_capture::set::{self, CaptureSet, Channel, Colour, Light, Shot, Sphere, Subject};
+use firstbounce_capture::set::{self, CaptureSet, Channel, Colour, Light, Shot, Sphere, SphereKind, Subject, Word};
 
 /// Radius of a ball over the side of its picture.
 const BALL_RADIUS: f64 = 5.0 / 12.0;
@@ -70,7 +70,7 @@ pub(super) fn photograph(
         warnings.push(format!("{lights} lights: bounces can be separated, but normals need three or more"));
     }
     if colours < 2 {
-        warnings.push("one colour cannot tell bounces apart; give two albedos or more".into());
+        warnings.push("one colour cannot separate bounces; give two albedos or more".into());
     }
     let report = SimulateReport {
         scene: options.scene.name().to_owned(),
@@ -84,7 +84,7 @@ pub(super) fn photograph(
     let scaled_bounces = |light: &LitPlanes| light.bounces.iter().map(|bounce| scaled(bounce, scale)).collect();
     let truth = SimulatedTruth {
         bounces: rendering.lights.iter().map(scaled_bounces).collect(),
-        rig: RigWords::of(options, &studio.alpha, studio.scale),
+        rig: RigRecord::of(options, &studio.alpha, studio.scale),
         mask: rendering.mask,
         normals: rendering.normals,
         depth_mm: rendering.depth_mm,
@@ -149,8 +149,7 @@ impl<'a> Studio<'a> {
     }
 
     fn subjects(&self) -> Vec<Subject> {
-        let balls = [Subject::GreySphere, Subject::MaterialSphere, Subject::MirrorSphere];
-        let balls = balls.into_iter().filter(|_| self.options.balls.is_some());
+        let balls = SphereKind::ALL.iter().filter(|_| self.options.balls.is_some()).map(|kind| kind.subject());
         std::iter::once(Subject::Object).chain(balls).collect()
     }
 
@@ -276,7 +275,7 @@ fn capture_set(studio: &Studio, photos: &[StoredPhoto], spheres: Vec<Sphere>) ->
         direction: None,
         position_mm: lamp.lamp().position_mm().map(|p| [p.x, p.y, p.z]),
     };
-    // What alone tells how dark the paint is, where the other method needs to know.
+    // What alone says how dark the paint is, where the other method needs to know.
     let calibration =
         set::Calibration { grey_albedo: options.balls.map(|balls| balls.grey_albedo), ..set::Calibration::default() };
     let mut set = CaptureSet {
@@ -297,13 +296,7 @@ fn shot(set: &CaptureSet, photo: &StoredPhoto) -> Shot {
     let light = set.lights[photo.light].name.clone();
     let colour = photo.colour.map(|c| set.colours[c].name.clone());
     let end = colour.as_ref().map_or_else(String::new, |colour| format!("-{colour}"));
-    let folder = match photo.subject {
-        Subject::GreySphere => "grey-sphere",
-        Subject::MaterialSphere => "material-sphere",
-        Subject::MirrorSphere => "mirror-sphere",
-        _ => "object",
-    };
-    let files = vec![format!("{folder}/{light}{end}.png")];
+    let files = vec![format!("{}/{light}{end}.png", photo.subject)];
     Shot { subject: photo.subject, light: Some(light), colour, files, ..Shot::default() }
 }
 

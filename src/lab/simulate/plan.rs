@@ -38,7 +38,7 @@ pub fn plan_rig(options: &SimulateOptions, grid: &PlanGrid, watch: &dyn Watch) -
     small.check()?;
     let part = |from, to| firstbounce_core::Portion { watch, from, to };
     let prepared = prepare(&small, &part(0.0, 0.3))?;
-    // A fixed exposure is that of one paint: another would be exposed anew.
+    // A fixed exposure is that of one paint: another would be exposed again.
     let (brightest, white) = match options.exposure {
         Exposure::Brightest(light) => (light, None),
         Exposure::White(light) => (PlanOptions::default().brightest, Some(light)),
@@ -71,18 +71,19 @@ pub fn plan_advice(plan: &Plan, frames: usize) -> String {
         0 | 1 => count(own.frames),
         _ => format!("{} at ratio {:.2}", count(own.frames), own.ratio),
     };
-    let (error, noise, tail) = (own.error_deg, own.noise_deg, own.tail_deg);
-    let found = format!("{rig}: {error:.2} degrees; noise alone makes {noise:.2}, later bounces alone {tail:.2}.");
+    let (error, noise, truncation) = (own.error_deg, own.noise_deg, own.truncation_deg);
+    let found =
+        format!("{rig}: {error:.2} degrees; noise alone makes {noise:.2}, later bounces alone {truncation:.2}.");
     if own.albedos.len() < 2 {
         return format!("{found} One colour separates nothing: a second colour does.");
     }
     let mut lines = vec![found];
     let most = plan.by_frames.iter().max_by_key(|point| point.frames).unwrap_or(own);
     let enough = plan.by_frames.iter().filter(|point| point.frames > own.frames);
-    let enough = enough.min_by_key(|point| (point.noise_deg > point.tail_deg, point.frames));
+    let enough = enough.min_by_key(|point| (point.noise_deg > point.truncation_deg, point.frames));
     lines.push(match enough {
         // Noise is what hurts, and there are numbers of frames that help.
-        Some(more) if noise > tail && more.error_deg < WORTH_IT * error => {
+        Some(more) if noise > truncation && more.error_deg < WORTH_IT * error => {
             format!("More frames help: {} give {:.2} degrees.", count(more.frames), more.error_deg)
         }
         _ if most.frames > own.frames => {
@@ -112,9 +113,9 @@ mod tests {
 
     use super::*;
 
-    fn point(frames: usize, noise_deg: f64, tail_deg: f64) -> PlanPoint {
-        let error_deg = noise_deg.hypot(tail_deg);
-        PlanPoint { albedos: vec![0.8, 0.4], ratio: 0.5, frames, gain: 3.0, noise_deg, tail_deg, error_deg }
+    fn point(frames: usize, noise_deg: f64, truncation_deg: f64) -> PlanPoint {
+        let error_deg = noise_deg.hypot(truncation_deg);
+        PlanPoint { albedos: vec![0.8, 0.4], ratio: 0.5, frames, gain: 3.0, noise_deg, truncation_deg, error_deg }
     }
 
     fn plan_of(by_frames: Vec<PlanPoint>) -> Plan {

@@ -14,7 +14,7 @@ use firstbounce_capture::image_file::{ExrLayer, grey8_png, grey16_png, mask_png,
 
 /// `truth/rig.json`: the values that the simulation used.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RigWords {
+pub struct RigRecord {
     /// By light, per colour: intensity over the reference colour's.
     pub alpha: IndexMap<String, Vec<f64>>,
     /// Per colour: albedo over the reference colour's.
@@ -31,7 +31,7 @@ pub struct RigWords {
     pub radiance_to_linear: f64,
 }
 
-impl RigWords {
+impl RigRecord {
     pub(super) fn of(options: &SimulateOptions, alpha: &[Vec<f64>], scale: f64) -> Self {
         let names = || options.lamps.iter().map(|lamp| lamp.name.clone());
         let lamps: Vec<_> = options.lamps.iter().map(|lamp| lamp.lamp()).collect();
@@ -72,7 +72,7 @@ pub fn check_folder(folder: &Path) -> Result<(), SimulateError> {
     }
 }
 
-/// A person may have written into the capture file what only they know, or `calibrate --write` what it measured.
+/// The user may have written into the capture file what only they know, or `calibrate --write` what it measured.
 fn refuse_edited(folder: &Path) -> Result<(), SimulateError> {
     let written = |name: &str| folder.join(name).metadata().ok()?.modified().ok();
     // Both are written within a moment.
@@ -164,7 +164,7 @@ fn refuse_foreign_files(folder: &Path, staged: &Path) -> Result<(), SimulateErro
             }
         }
     }
-    // Photos of the same names may be somebody's own: only a simulated set tells its rig.
+    // Photos of the same names may be the user's own: only a simulated set names its rig.
     match files.iter().find(|file| staged.join(file).exists()) {
         Some(file) if !folder.join(RIG).is_file() => Err(foreign(file.clone())),
         _ => Ok(()),

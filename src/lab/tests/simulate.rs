@@ -11,8 +11,8 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::Unwatched;
 use firstbounce_core::light::scene::{Lens, Shape};
 use firstbounce_lab::simulate::{
-    BallOptions, Exposure, LampOptions, LampPlace, Measures, PlanGrid, RigWords, Scene, SimulateError, SimulateOptions,
-    Simulated, plan_rig, simulate, write_simulated,
+    BallOptions, Exposure, LampOptions, LampPlace, Measures, PlanGrid, RigRecord, Scene, SimulateError,
+    SimulateOptions, Simulated, plan_rig, simulate, write_simulated,
 };
 use firstbounce_lab::{Crosstalk, Sensor};
 
@@ -34,7 +34,7 @@ fn made(options: &SimulateOptions) -> Simulated {
 }
 
 /// The set on disk, as any command opens it.
-fn written(options: &SimulateOptions, place: &Path) -> (CaptureSet, RigWords) {
+fn written(options: &SimulateOptions, place: &Path) -> (CaptureSet, RigRecord) {
     let simulated = made(options);
     let folder = place.join("set");
     write_simulated(&simulated, &folder).unwrap();
@@ -161,7 +161,7 @@ fn what_a_scene_does_not_fit_into_memory_is_computed_and_said() {
     let stored = made(&small("tray"));
     let computed = made(&SimulateOptions { memory_limit_bytes: 0, ..small("tray") });
     assert!(stored.report.factors.stored && !computed.report.factors.stored);
-    assert!(computed.report.warnings[0].contains("computed anew"), "{:?}", computed.report.warnings);
+    assert!(computed.report.warnings[0].contains("computed again"), "{:?}", computed.report.warnings);
     for (a, b) in stored.photos.iter().zip(&computed.photos) {
         let difference: f32 = a.stored.data().iter().zip(b.stored.data()).map(|(a, b)| (a - b).abs()).sum();
         let sum: f32 = a.stored.data().iter().sum();
@@ -202,7 +202,7 @@ fn the_brightest_pixel_is_as_bright_as_asked_for_with_crosstalk_too() {
 }
 
 #[test]
-fn the_plan_foretells_what_solving_finds() {
+fn the_plan_predicts_what_solving_finds() {
     for (frames, ratio) in [(1, 0.5), (16, 0.5), (4, 0.85)] {
         let albedos = vec![0.75, 0.75 * ratio];
         let sensor = Sensor { frames, ..Sensor::default() };
@@ -231,7 +231,7 @@ fn a_fixed_exposure_is_planned_as_it_is_photographed() {
     let ratio = noise(0.1) / noise(0.4);
     assert!((1.9..2.6).contains(&ratio), "{ratio}");
     let other_paint = |exposure| plan(exposure).unwrap().by_ratio[0].noise_deg;
-    assert_eq!(other_paint(Exposure::White(0.1)), other_paint(Exposure::Brightest(0.85)), "exposed anew");
+    assert_eq!(other_paint(Exposure::White(0.1)), other_paint(Exposure::Brightest(0.85)), "exposed again");
     let refused = plan(Exposure::White(1e4)).unwrap_err().to_string();
     assert!(refused.contains("lower the exposure"), "{refused}");
 }

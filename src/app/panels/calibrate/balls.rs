@@ -6,7 +6,7 @@ use eframe::egui::{ComboBox, RichText, Ui};
 use firstbounce_capture::set::{Circle, Sphere, SphereKind, Subject, Word};
 use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
 
-use super::{ball_title, balls_of};
+use super::balls_of;
 use crate::app::base::jobs::Task;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{Loaded, ShotName};
@@ -68,20 +68,20 @@ impl Balls {
     /// What a click on a photo does.
     fn clicks(&mut self, ui: &mut Ui) {
         ui.checkbox(&mut self.click_finds, "A click on a ball's photo finds its edge");
-        let words = |kind: Option<SphereKind>| kind.map_or("no ball", ball_title);
+        let words = |kind: Option<SphereKind>| kind.map_or("no ball", SphereKind::title);
         ComboBox::from_label("A click in the object's photo means").selected_text(words(self.in_scene)).show_ui(
             ui,
             |ui| {
                 ui.selectable_value(&mut self.in_scene, None, "no ball");
                 for &kind in SphereKind::ALL {
-                    ui.selectable_value(&mut self.in_scene, Some(kind), ball_title(kind));
+                    ui.selectable_value(&mut self.in_scene, Some(kind), kind.title());
                 }
             },
         );
     }
 
     fn ball(&mut self, ui: &mut Ui, session: &mut Session, subject: Subject, kind: SphereKind) {
-        let title = ball_title(kind);
+        let title = kind.title();
         let document = session.document();
         let placed = document.set.circle(subject, kind);
         let circle = circle_in_force(session, subject, kind);
@@ -155,7 +155,7 @@ impl Balls {
             session.warn("The photos are still being read: try again in a moment");
             return;
         };
-        let name = format!("Find {}", ball_title(kind).to_lowercase());
+        let name = format!("Find {}", kind.title().to_lowercase());
         let task = session.jobs.start(name, move |_| find(&loaded, subject, look).map_err(|error| error.to_string()));
         self.finding = Some((subject, kind, task));
     }
@@ -165,7 +165,7 @@ impl Balls {
         let (subject, kind) = (*subject, *kind);
         let Some(outcome) = task.poll() else { return };
         self.finding = None;
-        let title = ball_title(kind);
+        let title = kind.title();
         match outcome {
             Ok(report) => {
                 let (x, y) = report.circle.centre_px;
@@ -200,7 +200,7 @@ fn find(loaded: &Arc<Loaded>, subject: Subject, look: Look) -> Result<CircleRepo
 
 /// Puts a ball's circle where a person wants it.
 pub fn move_ball(session: &mut Session, subject: Subject, kind: SphereKind, circle: Circle) {
-    let name = format!("Place {}", ball_title(kind).to_lowercase());
+    let name = format!("Place {}", kind.title().to_lowercase());
     session.edit(&name, |document| document.set.put_sphere(Sphere { subject, kind, circle }));
 }
 

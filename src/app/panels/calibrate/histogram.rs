@@ -5,7 +5,6 @@ use egui_plot::{Plot, VLine};
 use firstbounce_capture::pipeline::{Calibrated, RatioEvidence};
 use firstbounce_capture::set::CaptureSet;
 
-use super::ball_title;
 use crate::app::base::bars::Bars;
 use crate::app::widgets::advice::advice;
 use crate::app::widgets::bars::chart;
@@ -57,5 +56,5 @@ impl Histogram {
 fn title(set: &CaptureSet, evidence: &RatioEvidence) -> String {
     let light = set.lights.get(evidence.light).map_or("", |light| &light.name);
     let colour = set.colours.get(evidence.colour).map_or("", |colour| &colour.name);
-    format!("{}, {light}, {colour}", ball_title(evidence.ball))
+    format!("{}, {light}, {colour}", evidence.ball.title())
 }

@@ -142,28 +142,7 @@ fn status(ui: &mut Ui, session: &Session) {
     ui.label(RichText::new(words).weak());
 }
 
-/// "Grey ball"
-fn ball_title(kind: SphereKind) -> &'static str {
-    match kind {
-        SphereKind::Grey => "Grey ball",
-        SphereKind::Material => "Ball of the paint",
-        SphereKind::Mirror => "Mirror ball",
-    }
-}
-
-/// The shots that a ball of this kind fills by itself.
-fn own_subject(kind: SphereKind) -> Subject {
-    Subject::ALL.iter().copied().find(|subject| subject.sphere_kind() == Some(kind)).unwrap_or(Subject::Object)
-}
-
 /// Where each ball of the set is seen: in shots of its own, or in the object's scene.
 fn balls_of(set: &CaptureSet) -> Vec<(Subject, SphereKind)> {
-    SphereKind::ALL
-        .iter()
-        .filter_map(|&kind| {
-            let own = own_subject(kind);
-            let alone = set.shots_of(own).next().is_some().then_some((own, kind));
-            alone.or_else(|| set.circle(Subject::Object, kind).map(|_| (Subject::Object, kind)))
-        })
-        .collect()
+    SphereKind::ALL.iter().filter_map(|&kind| Some((set.subject_with(kind)?, kind))).collect()
 }

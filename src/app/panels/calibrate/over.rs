@@ -3,8 +3,8 @@
 use eframe::egui::{Color32, EventFilter, Key, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
 use firstbounce_capture::set::{Circle, SphereKind, Subject};
 
+use super::Calibrate;
 use super::balls::{Look, circle_in_force, move_ball};
-use super::{Calibrate, ball_title};
 use crate::app::state::layout::Shown;
 use crate::app::state::session::Session;
 use crate::app::views::Over;
@@ -60,7 +60,7 @@ fn edit_circle(
     painter.circle_stroke(centre, rim.x - centre.x, Stroke::new(3.0, Color32::from_black_alpha(120)));
     painter.circle_stroke(centre, rim.x - centre.x, Stroke::new(1.5, CIRCLE));
 
-    let title = ball_title(kind);
+    let title = kind.title();
     let id = over.canvas.response.id.with(title);
     let mut moved = circle;
     let mut busy = false;

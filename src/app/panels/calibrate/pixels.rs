@@ -89,7 +89,7 @@ const USES: [(PixelUse, &str); 7] = [
     (PixelUse::Clipped, "clipped"),
     (PixelUse::Dark, "dark"),
     (PixelUse::NearRim, "near the rim"),
-    (PixelUse::NearTerminator, "near the end of the light"),
+    (PixelUse::NearTerminator, "near the terminator"),
     (PixelUse::Highlight, "highlight"),
     (PixelUse::Outlier, "outlier"),
 ];

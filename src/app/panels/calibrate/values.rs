@@ -3,6 +3,7 @@
 use eframe::egui::{Color32, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::pipeline::{Calibrated, Known, Source, Verdict};
 use firstbounce_capture::set::CaptureSet;
+use firstbounce_core::trust::Level;
 
 use crate::app::state::session::Session;
 use crate::app::widgets::number_field::fixed;
@@ -143,7 +144,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
         session.edit(&format!("Type {label}"), |document| document.set.put_direction(&light.name, new));
     }
     let source = known.map_or("", |known| known.source.words());
-    let back = judged(ui, &label, source, given.is_some(), in_force.judge_direction(set, l));
+    let back = judged(ui, &label, source, given.is_some(), in_force.judge_direction(l));
     if back {
         session.edit(&format!("Measure {label}"), |document| {
             document.set.calibration.direction.shift_remove(&light.name);
@@ -194,7 +195,7 @@ fn judged(ui: &mut Ui, label: &str, source: &str, typed: bool, verdict: Option<V
     let mut back = false;
     ui.horizontal_wrapped(|ui| {
         if let Some(verdict) = &verdict {
-            ui.label(RichText::new(verdict.words()).small().strong().color(colour(ui, verdict)));
+            ui.label(RichText::new(verdict.level.words()).small().strong().color(colour(ui, verdict.level)));
         }
         let source = if typed && source == Source::File.words() { "typed or from capture.toml" } else { source };
         ui.label(RichText::new(source).small().weak());
@@ -218,11 +219,11 @@ fn field(ui: &mut Ui, number: &mut f64, least: f64, name: &str) -> bool {
     response.changed()
 }
 
-fn colour(ui: &Ui, verdict: &Verdict) -> Color32 {
-    match verdict {
-        Verdict::Good => theme::good(ui.visuals()),
-        Verdict::TakeCare(_) => ui.visuals().warn_fg_color,
-        Verdict::DoNotTrust(_) => ui.visuals().error_fg_color,
+fn colour(ui: &Ui, level: Level) -> Color32 {
+    match level {
+        Level::Fine => theme::good(ui.visuals()),
+        Level::TakeCare => ui.visuals().warn_fg_color,
+        Level::DoNotTrust => ui.visuals().error_fg_color,
     }
 }
 

@@ -73,15 +73,16 @@ impl Panel for Captures {
 impl Captures {
     /// Files and folders that were dropped on the window, or chosen in a dialog.
     pub fn dropped(&mut self, paths: Vec<PathBuf>, session: &mut Session) {
-        let (files, others): (Vec<_>, Vec<_>) = pictures_in(&paths).into_iter().partition(|file| may_be_picture(file));
-        const READ: &str = "PNG, TIFF, EXR, JPEG, HDR and PFM files are read";
+        let (files, others): (Vec<_>, Vec<_>) =
+            pictures_in(&paths).into_iter().partition(|file| Format::of_name(file).is_some());
+        let read = format!("{} files are read", Format::names());
         if files.is_empty() {
-            session.warn(format!("There is no picture in what was dropped: {READ}"));
+            session.warn(format!("There is no picture in what was dropped: {read}"));
             return;
         }
         if let Some(first) = others.first() {
             let more = if others.len() > 1 { format!(" and {} more", others.len() - 1) } else { String::new() };
-            session.warn(format!("{}{more}: left out, {READ}", first.display()));
+            session.warn(format!("{}{more}: left out, {read}", first.display()));
         }
         match &mut self.incoming {
             Some(incoming) => incoming.take_more(files),
@@ -105,12 +106,6 @@ impl Captures {
         }
         ui.separator();
     }
-}
-
-/// By the end of its name: what it holds is found out when it is read.
-fn may_be_picture(file: &Path) -> bool {
-    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    Format::ALL.iter().any(|format| format.extensions().contains(&ending.as_str()))
 }
 
 /// What is wrong with the set and stands in no cell of the tables.

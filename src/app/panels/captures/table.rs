@@ -7,7 +7,7 @@ use eframe::egui::{
     WidgetInfo, load::SizedTexture, vec2,
 };
 use firstbounce_capture::pipeline::{Exposed, region_of, thumbnail};
-use firstbounce_capture::set::{CaptureSet, Encoding, Shot, ShotCell, ShotTable, Sphere, Subject};
+use firstbounce_capture::set::{CaptureSet, Encoding, Shot, ShotCell, ShotTable, Sphere};
 
 use super::shot;
 use crate::app::base::jobs::{Job, Task};
@@ -59,7 +59,7 @@ impl Table {
         self.look(ui, session);
         let document = session.document();
         for table in document.set.tables(session.problems()) {
-            let title = subject_title(table.subject);
+            let title = table.subject.title();
             ui.label(RichText::new(title).strong());
             Grid::new(title)
                 .spacing(vec2(8.0, 6.0))
@@ -216,16 +216,4 @@ fn look_at(set: &CaptureSet, loaded: &Loaded, job: &Job) -> Result<Vec<Look>, St
         looks.push(Look { name, exposed: Some(Exposed::of(photo, region.as_ref())), small: Some(image) });
     }
     Ok(looks)
-}
-
-/// What people call the subject's photos.
-pub fn subject_title(subject: Subject) -> &'static str {
-    match subject {
-        Subject::Object => "Object",
-        Subject::GreySphere => "Grey ball",
-        Subject::MaterialSphere => "Ball of the paint",
-        Subject::MirrorSphere => "Mirror ball",
-        Subject::Dark => "Dark frames",
-        Subject::FlatField => "Flat fields",
-    }
 }

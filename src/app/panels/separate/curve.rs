@@ -38,7 +38,9 @@ pub fn ui(ui: &mut Ui, document: &Document, options: &TrustOptions, session: &Se
         .auto_bounds(Vec2b::FALSE)
         .show(ui, |plot| {
             let ink = plot.ctx().global_style().visuals.text_color();
-            for (name, limit) in [("take care", options.gain.care), ("do not trust", options.gain.distrust)] {
+            for (name, limit) in
+                [("take care", options.limits.gain.care), ("do not trust", options.limits.gain.distrust)]
+            {
                 plot.hline(HLine::new(name, limit).style(LineStyle::dashed_loose()).color(ink.gamma_multiply(0.6)));
                 let at = PlotPoint::new(widest * 0.99, limit);
                 plot.text(Text::new(name, at, format!("above: {name}")).anchor(Align2::RIGHT_BOTTOM).color(ink));

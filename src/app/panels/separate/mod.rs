@@ -38,7 +38,7 @@ impl Panel for Separate {
         order(ui, &document, session);
         let options = TrustOptions {
             bounces: document.set.bounces(),
-            indirect: SolveOptions::of(&document.set.shape).indirect,
+            denoise: SolveOptions::of(&document.set.shape).denoise,
             ..TrustOptions::default()
         };
         let trust = self.verdict(&document, options, session);

@@ -20,7 +20,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
             let name = format!("Gain of bounce {}", k + 1);
             row(ui, &name, &number(gain), "Noise of this bounce for unit noise on every photo");
         }
-        let (noise, quiet) = (worst(&|light| light.noise_percent), worst(&|light| light.quiet_noise_percent));
+        let (noise, quiet) = (worst(&|light| light.noise_percent), worst(&|light| light.denoised_noise_percent));
         let words = |value| percent(value).map_or(NEGATIVE.into(), |percent| format!("{percent} of it"));
         row(ui, "Noise of bounce 1", &words(noise), "Of a pixel of mean light, as bounce 1 is saved");
         let averaged =
@@ -36,7 +36,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
         row(ui, "Tail", &tail(trust), "Light of more than m bounces, by the mean light of the colours");
         match &trust.normal {
             Some(normal) => {
-                let words = format!("{} ({} not averaged)", angle(normal.quiet_noise_deg), angle(normal.noise_deg));
+                let words = format!("{} ({} not averaged)", angle(normal.denoised_noise_deg), angle(normal.noise_deg));
                 row(ui, "Normals, by noise", &words, "Root mean square angle at a pixel of mean light");
                 let words = angle(normal.calibration_deg);
                 row(ui, "Normals, by calibration", &words, "By the intervals of alpha and beta");
@@ -52,7 +52,7 @@ pub fn lights(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
 }
 
 fn tail(trust: &Trust) -> String {
-    let tails: Vec<_> = trust.lights.iter().filter_map(|light| light.tail_percent).collect();
+    let tails: Vec<_> = trust.lights.iter().filter_map(|light| light.truncation_percent).collect();
     let largest = tails.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()));
     largest.map_or("unknown: one colour".into(), |tail| format!("{tail:+.1} % of bounce 1"))
 }
@@ -69,7 +69,7 @@ fn each_light(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
             ui.label(number(found.gain[0]));
             ui.label(percent(Some(found.noise_percent)));
             ui.label(percent(Some(found.calibration_percent)));
-            ui.label(percent(found.tail_percent));
+            ui.label(percent(found.truncation_percent));
             ui.label(percent(found.return_share.map(|share| 100.0 * share)))
                 .on_hover_text("The share of its light that the object sends back to itself at each bounce");
             ui.end_row();

@@ -3,7 +3,7 @@
 use eframe::egui::{Color32, DragValue, Grid, RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use firstbounce_capture::pipeline::{Method, NayarErrors};
-use firstbounce_core::methods::by_shape::NayarReport;
+use firstbounce_core::methods::by_shape::ByShapeReport;
 
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
@@ -112,7 +112,7 @@ fn outcome(ui: &mut Ui, found: &ByMethod) {
     }
 }
 
-fn iterations(ui: &mut Ui, report: &NayarReport) {
+fn iterations(ui: &mut Ui, report: &ByShapeReport) {
     let iterations = report.steps.len().saturating_sub(1);
     ui.label(format!(
         "{} after {iterations} iterations over {} patches.",
@@ -131,7 +131,7 @@ fn iterations(ui: &mut Ui, report: &NayarReport) {
 }
 
 /// How far each iteration turned the normals and, where the truth is known, how wrong they still were.
-fn convergence(ui: &mut Ui, report: &NayarReport, errors: Option<&NayarErrors>) {
+fn convergence(ui: &mut Ui, report: &ByShapeReport, errors: Option<&NayarErrors>) {
     let changes: Vec<[f64; 2]> = report.steps.iter().skip(1).map(|s| [s.iteration as f64, s.change_deg]).collect();
     let errors: Vec<[f64; 2]> = errors
         .iter()

@@ -3,7 +3,7 @@
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Method, OutputOptions};
 use firstbounce_capture::set::ShapeSettings;
-use firstbounce_core::methods::by_shape::NayarOptions;
+use firstbounce_core::methods::by_shape::ByShapeOptions;
 use serde::{Deserialize, Serialize};
 
 use super::reference::ReferenceSettings;
@@ -64,14 +64,14 @@ pub struct NayarSettings {
 
 impl Default for NayarSettings {
     fn default() -> Self {
-        let NayarOptions { patches, max_iterations, .. } = NayarOptions::default();
+        let ByShapeOptions { patches, max_iterations, .. } = ByShapeOptions::default();
         Self { compute: false, patches, max_iterations }
     }
 }
 
 impl NayarSettings {
     /// As the pipeline takes them.
-    pub fn options(&self) -> NayarOptions {
-        NayarOptions { patches: self.patches, max_iterations: self.max_iterations, ..NayarOptions::default() }
+    pub fn options(&self) -> ByShapeOptions {
+        ByShapeOptions { patches: self.patches, max_iterations: self.max_iterations, ..ByShapeOptions::default() }
     }
 }

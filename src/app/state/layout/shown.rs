@@ -157,11 +157,7 @@ fn nayar() -> Method {
 fn photo_title(shot: &ShotName) -> String {
     let subject = match shot.subject {
         Subject::Object => "Photo",
-        Subject::GreySphere => "Grey ball",
-        Subject::MaterialSphere => "Ball of the paint",
-        Subject::MirrorSphere => "Mirror ball",
-        Subject::Dark => "Dark frame",
-        Subject::FlatField => "Flat field",
+        subject => subject.title(),
     };
     let words = [Some(subject), shot.light.as_deref(), shot.colour.as_deref()];
     words.into_iter().flatten().collect::<Vec<_>>().join(", ")

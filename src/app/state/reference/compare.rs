@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use firstbounce_capture::pipeline::{Compared, Laying, compare_meshes};
+use firstbounce_capture::pipeline::{Compared, Registration, compare_meshes};
 use firstbounce_core::mesh::compare::{AlignOptions, DistanceOptions, Start};
 use firstbounce_core::{Mesh, Portion, Watch};
 use nalgebra::Isometry3;
@@ -94,15 +94,16 @@ fn outcome(how: &How, poses: Option<Poses>, meshes: &Meshes, reference: &Mesh, j
         let watch: &dyn Watch = job;
         let aligning = Portion { watch, from, to: from + 0.35 };
         let measuring = Portion { watch, from: from + 0.35, to: from + 0.5 };
-        let laying = match (how, pose) {
+        let registration = match (how, pose) {
             (How::Align(start), _) => {
-                Laying::Align(AlignOptions { start: start.clone(), search, ..AlignOptions::default() })
+                Registration::Align(AlignOptions { start: start.clone(), search, ..AlignOptions::default() })
             }
-            (How::AsTheyLie, Some(pose)) => Laying::Known(Isometry3::from(pose)),
-            (How::AsTheyLie, None) => Laying::AsItCame,
+            (How::AsTheyLie, Some(pose)) => Registration::Known(Isometry3::from(pose)),
+            (How::AsTheyLie, None) => Registration::None,
         };
         let options = DistanceOptions::default();
-        compare_meshes(mesh, reference, &laying, &options, (&aligning, &measuring)).map_err(|error| error.to_string())
+        compare_meshes(mesh, reference, &registration, &options, (&aligning, &measuring))
+            .map_err(|error| error.to_string())
     };
     let after = one(how, true, &meshes.after, poses.map(|poses| poses.after), 0.0)?;
     // Both come from one camera: where bounce 1 lies, the raw photos' surface lies nearly too, and need not be searched for.

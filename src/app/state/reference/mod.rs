@@ -1,4 +1,4 @@
-//! The reference of the open set: reading it, laying the surfaces onto it, their distances.
+//! The reference of the open set: reading it, registering the surfaces onto it, their distances.
 
 mod compare;
 mod of_session;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use firstbounce_capture::pipeline::{Method, SurfaceName};
 use firstbounce_capture::set::{Shot, Subject, Word};
-use firstbounce_core::Plane;
 use firstbounce_core::stereo::shape::Shape;
+use firstbounce_core::{Marks, Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -188,7 +188,7 @@ impl Batch {
         self.put(PlaneName::Albedo(name), &normals.albedo);
         self.put(PlaneName::NormalNoise(name), &normals.noise_deg);
         self.put(PlaneName::Depth(name), &depth_where_known(shape));
-        self.put_marks(MarksName::Normals(name), normals.map.size(), &normals.marks);
+        self.put_marks(MarksName::Normals(name), &normals.marks);
     }
 
     pub fn put(&mut self, name: PlaneName, plane: &Plane) {
@@ -203,10 +203,8 @@ impl Batch {
         self.marks.push((MarksName::Mask, mask));
     }
 
-    pub fn put_marks(&mut self, name: MarksName, size: (usize, usize), marks: &[u8]) {
-        if let Some(marks) = CanvasMarks::new(size, Arc::new(marks.to_vec())) {
-            self.marks.push((name, marks));
-        }
+    pub fn put_marks(&mut self, name: MarksName, marks: &Marks) {
+        self.marks.push((name, CanvasMarks::new(marks.clone())));
     }
 }
 

@@ -135,7 +135,7 @@ fn parts(ui: &Ui) -> [Part; 3] {
     let visuals = ui.visuals();
     [
         Part { name: "by noise", colour: visuals.hyperlink_color, degrees: |point| point.noise_deg },
-        Part { name: "by later bounces", colour: visuals.warn_fg_color, degrees: |point| point.tail_deg },
+        Part { name: "by later bounces", colour: visuals.warn_fg_color, degrees: |point| point.truncation_deg },
         Part { name: "by both", colour: theme::good(visuals), degrees: |point| point.error_deg },
     ]
 }

@@ -24,7 +24,7 @@ impl BallPhotos {
         watch: &dyn PipelineWatch,
     ) -> Result<Self, PipelineError> {
         let mut photos = IndexMap::new();
-        for subject in needed(set, preference).into_iter().filter_map(|kind| subject_with(set, kind)) {
+        for subject in needed(set, preference).into_iter().filter_map(|kind| set.subject_with(kind)) {
             if !photos.contains_key(&subject) {
                 photos.insert(subject, Arc::new(load_subject(set, subject, store, watch)?));
             }
@@ -50,13 +50,6 @@ pub(super) fn needed(set: &CaptureSet, preference: Preference) -> Vec<SphereKind
     balls.into_iter().filter(|(needed, _)| *needed).map(|(_, kind)| kind).collect()
 }
 
-/// Where a ball is seen: in shots of its own, or in the object's scene; `None` where the set has none.
-fn subject_with(set: &CaptureSet, kind: SphereKind) -> Option<Subject> {
-    let own = subject_of(kind);
-    let alone = set.shots_of(own).next().is_some().then_some(own);
-    alone.or_else(|| set.circle(Subject::Object, kind).map(|_| Subject::Object))
-}
-
 /// A ball, its photos and its circle.
 pub(super) struct BallShots {
     pub kind: SphereKind,
@@ -71,7 +64,7 @@ pub(super) struct BallShots {
 impl BallShots {
     /// The ball of this kind among the photos that were read; `None` where the set has none.
     pub fn among(photos: &BallPhotos, set: &CaptureSet, kind: SphereKind) -> Result<Option<Self>, PipelineError> {
-        let ball = subject_with(set, kind).and_then(|subject| Some((subject, photos.0.get(&subject)?.clone())));
+        let ball = set.subject_with(kind).and_then(|subject| Some((subject, photos.0.get(&subject)?.clone())));
         let Some((subject, photos)) = ball else { return Ok(None) };
         let size = photos.all().next().map_or((0, 0), |photo| photo.linear.size());
         let circle = match set.circle(subject, kind) {
@@ -129,14 +122,6 @@ fn find(photos: &SubjectPhotos, subject: Subject, kind: SphereKind) -> Result<Ba
     let (x, y) = found.circle.centre_px;
     let circle = set::Circle { centre: [x, y], radius: found.circle.radius_px };
     Ok(BallCircle { sphere: Sphere { subject, kind, circle }, found: Some(found) })
-}
-
-fn subject_of(kind: SphereKind) -> Subject {
-    match kind {
-        SphereKind::Grey => Subject::GreySphere,
-        SphereKind::Material => Subject::MaterialSphere,
-        SphereKind::Mirror => Subject::MirrorSphere,
-    }
 }
 
 /// How the camera sees a ball whose pictures have this size. Pictures that do not hold the optical axis are cut-outs from

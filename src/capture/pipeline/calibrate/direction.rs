@@ -7,7 +7,7 @@ use firstbounce_core::calibrate::{
 
 use super::super::PipelineError;
 use super::balls::BallShots;
-use super::{Known, Source};
+use super::{DirectionDoubt, Known, Source};
 use crate::set::{Light, SphereKind};
 
 /// Directions that differ by less than this never raise a warning: balls are not perfect.
@@ -20,7 +20,7 @@ pub(super) struct MeasuredDirection {
     /// Half angle of the 95 % cone.
     pub half_angle_deg: f64,
     pub highlights: Option<HighlightReport>,
-    pub warnings: Vec<String>,
+    pub doubts: Vec<DirectionDoubt>,
 }
 
 /// Measures the direction to light `l` of `lights` on the balls there are. `typed` is what the file says, to compare.
@@ -48,10 +48,7 @@ pub(super) fn measure_direction(
             sources.push(sourced(DirectionSource::Mirror, chosen.direction.clone()));
         }
         if report.is_ambiguous() {
-            measured.warnings.push(format!(
-                "light {}: two highlights on the mirror ball are nearly as likely; look which one is the lamp's",
-                light.name
-            ));
+            measured.doubts.push(DirectionDoubt::TwoHighlights);
         }
         measured.highlights = Some(report);
     }
@@ -72,8 +69,8 @@ pub(super) fn measure_direction(
     let combined = combine_directions(&sources, AGREEMENT_FLOOR_DEG)
         .map_err(|reason| PipelineError::calibrate(&light.name, SphereKind::Mirror, reason))?;
     let agree = combined.disagreements.is_empty();
-    measured.warnings.extend(combined.disagreements.iter().map(|found| format!("light {}: {found}", light.name)));
-    measured.warnings.extend(contradiction(light, typed, &combined.direction));
+    measured.doubts.extend(combined.disagreements.iter().copied().map(DirectionDoubt::Balls));
+    measured.doubts.extend(contradiction(light, typed, &combined.direction));
     let direction = combined.direction.direction_to_light;
     measured.half_angle_deg = combined.direction.half_angle_deg;
     measured.known = Some(Known {
@@ -93,8 +90,8 @@ fn sourced(source: DirectionSource, direction: DirectionEstimate) -> SourcedDire
     SourcedDirection { source, direction }
 }
 
-/// A warning where the file's direction or position contradicts what the balls say.
-fn contradiction(light: &Light, typed: Option<[f64; 3]>, measured: &DirectionEstimate) -> Option<String> {
+/// A doubt where the file's direction or position contradicts what the balls say.
+fn contradiction(light: &Light, typed: Option<[f64; 3]>, measured: &DirectionEstimate) -> Option<DirectionDoubt> {
     let (given, source) = match (typed, light.position_mm) {
         (Some(typed), _) => (typed, DirectionSource::Typed),
         (None, Some(position)) => (position, DirectionSource::Position),
@@ -102,10 +99,5 @@ fn contradiction(light: &Light, typed: Option<[f64; 3]>, measured: &DirectionEst
     };
     let angle_deg = nalgebra::Vector3::from(given).angle(&measured.direction_to_light).to_degrees();
     let allowed_deg = measured.half_angle_deg.max(AGREEMENT_FLOOR_DEG);
-    (angle_deg > allowed_deg).then(|| {
-        format!(
-            "light {}: {source} and the balls differ by {angle_deg:.1} degrees ({allowed_deg:.1} would pass)",
-            light.name
-        )
-    })
+    (angle_deg > allowed_deg).then_some(DirectionDoubt::Given { source, angle_deg, allowed_deg })
 }

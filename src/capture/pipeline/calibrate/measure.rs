@@ -54,8 +54,10 @@ impl<'a> Measuring<'a> {
         self.calibrated.ratios.extend(evidence);
         let directions = self.directions()?;
         self.intensities(&directions)?;
-        for direction in directions {
-            self.calibrated.warnings.extend(direction.warnings);
+        for (light, direction) in self.set.lights.iter().zip(directions) {
+            let doubts = direction.doubts.iter().map(|doubt| format!("light {}: {doubt}", light.name));
+            self.calibrated.warnings.extend(doubts);
+            self.calibrated.direction_doubts.push(direction.doubts);
             self.calibrated.highlights.push(direction.highlights);
         }
         Ok(self.calibrated)

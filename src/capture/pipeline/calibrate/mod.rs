@@ -14,7 +14,7 @@ use balls::BallPhotos;
 use super::{PhotoStore, PipelineError, PipelineWatch, Stage};
 use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
 
-pub use verdict::Verdict;
+pub use verdict::{DirectionDoubt, Evidence, Verdict};
 
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,6 +132,8 @@ pub struct Calibrated {
     pub grey_light: Option<f64>,
     /// By light: unit vector from the object to the light. `None` where nothing tells.
     pub direction: Vec<Option<Known<[f64; 3]>>>,
+    /// By light: what makes its measured direction doubtful; also among the warnings.
+    pub direction_doubts: Vec<Vec<DirectionDoubt>>,
     /// By light: the bright spots on the mirror ball, the chosen one first; `None` where there is no mirror ball.
     pub highlights: Vec<Option<HighlightReport>>,
     /// Every ratio that was measured; what the file gives is not, unless the balls were asked for.

@@ -1,104 +1,179 @@
-//! How far a calibration value can be trusted, in words.
+//! The verdict on a calibration value: a level by the limits of [`firstbounce_core::trust`], and its evidence.
+
+use std::fmt;
+
+use firstbounce_core::calibrate::{DirectionSource, Disagreement};
+use firstbounce_core::trust::{Level, Limits, TwoLimits, gain_of_ratio};
 
 use super::{Calibrated, Known, RatioEvidence, Source};
 use crate::set::{CaptureSet, SphereKind};
 
-/// A judgement with its reason.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Nothing stands out.
-    Good,
-    /// Usable, with an error that a person should know of.
-    TakeCare(String),
-    /// Mostly error.
-    DoNotTrust(String),
+/// A judgement and what it stands on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// The judgement.
+    pub level: Level,
+    /// What spoils the value most; `None` where it is fine.
+    pub evidence: Option<Evidence>,
 }
 
-/// Errors of bounce 1, in percent, above which a value is no longer good, and no longer to be trusted. The camera's own
-/// noise in a good photo is about one percent.
-const CARE_PERCENT: f64 = 2.0;
-const DISTRUST_PERCENT: f64 = 6.0;
-/// The same for directions, in degrees of the normal.
-const CARE_DEG: f64 = 1.0;
-const DISTRUST_DEG: f64 = 3.0;
-/// How many times the noise of a photo bounce 1 may have.
-const CARE_GAIN: f64 = 8.0;
-const DISTRUST_GAIN: f64 = 16.0;
-/// Share of a ball's pixels that may be clipped before one should look.
-const CARE_CLIPPED: f64 = 0.05;
-/// Scatter of one pixel's ratio from which the ball is hardly one paint under one lamp.
-const CARE_SCATTER: f64 = 0.05;
+/// What spoils a calibration value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Evidence {
+    /// The interval of alpha or beta.
+    Interval {
+        /// How far its ends move bounce 1, in percent.
+        percent: f64,
+    },
+    /// Two colours that see the paint alike.
+    Alike {
+        /// Both colours, by name.
+        colours: [String; 2],
+        /// Both beta.
+        beta: [f64; 2],
+    },
+    /// Noise that two colours do not share.
+    Gain {
+        /// Noise of bounce 1 over that of a photo.
+        gain: f64,
+    },
+    /// Clipped pixels of the ball.
+    Clipped {
+        /// Percent of the ball.
+        percent: f64,
+    },
+    /// A ball that is not of one paint.
+    Scatter {
+        /// Scatter of a pixel's ratio in percent.
+        percent: f64,
+    },
+    /// An intensity that was not measured.
+    AssumedIntensity,
+    /// The interval of an intensity.
+    Intensity {
+        /// Half of it, in percent.
+        percent: f64,
+    },
+    /// The interval of a direction.
+    Direction {
+        /// Half of it, in degrees.
+        degrees: f64,
+    },
+    /// Something about the balls' directions.
+    Doubt(DirectionDoubt),
+}
+
+/// What makes a measured direction doubtful.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DirectionDoubt {
+    /// Two highlights on the mirror ball are nearly as likely.
+    TwoHighlights,
+    /// The balls disagree.
+    Balls(Disagreement),
+    /// The balls contradict what the file gives.
+    Given {
+        /// What the file gives.
+        source: DirectionSource,
+        /// Angle between the two.
+        angle_deg: f64,
+        /// The angle that would have passed.
+        allowed_deg: f64,
+    },
+}
+
+impl fmt::Display for DirectionDoubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TwoHighlights => {
+                f.write_str("two highlights on the mirror ball are nearly as likely; look which one is the lamp's")
+            }
+            Self::Balls(disagreement) => disagreement.fmt(f),
+            Self::Given { source, angle_deg, allowed_deg } => {
+                write!(f, "{source} and the balls differ by {angle_deg:.1} degrees ({allowed_deg:.1} would pass)")
+            }
+        }
+    }
+}
+
+impl fmt::Display for Evidence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Interval { percent } => write!(f, "its interval alone moves bounce 1 by {percent:.1} %"),
+            Self::Alike { colours: [one, other], beta } => write!(
+                f,
+                "{other} ({}) and {one} ({}) are too alike to tell bounces apart; take lamp colours that the paint \
+                 reflects more differently",
+                beta[1], beta[0]
+            ),
+            Self::Gain { gain } => write!(
+                f,
+                "bounce 1 has {gain:.0} times the noise of a photo: the paint reflects both colours too much alike"
+            ),
+            Self::Clipped { percent } => write!(f, "{percent:.0} % of the ball is clipped; shorten the exposure"),
+            Self::Scatter { percent } => {
+                write!(f, "its pixels scatter by {percent:.0} %; is the ball clean and of one paint?")
+            }
+            Self::AssumedIntensity => f.write_str("taken as 1: lamps of unequal strength would bend the normals"),
+            Self::Intensity { percent } => write!(f, "known to {percent:.1} % only"),
+            Self::Direction { degrees } => write!(f, "known to {degrees:.1} degrees only"),
+            Self::Doubt(doubt) => doubt.fmt(f),
+        }
+    }
+}
 
 impl Verdict {
-    /// "good", "take care" or "do not trust".
-    pub fn words(&self) -> &'static str {
-        match self {
-            Self::Good => "good",
-            Self::TakeCare(_) => "take care",
-            Self::DoNotTrust(_) => "do not trust",
-        }
-    }
-
     /// Why; empty where nothing stands out.
-    pub fn reason(&self) -> &str {
-        match self {
-            Self::Good => "",
-            Self::TakeCare(reason) | Self::DoNotTrust(reason) => reason,
-        }
+    pub fn reason(&self) -> String {
+        self.evidence.as_ref().map(ToString::to_string).unwrap_or_default()
     }
 
-    fn severity(&self) -> u8 {
-        match self {
-            Self::Good => 0,
-            Self::TakeCare(_) => 1,
-            Self::DoNotTrust(_) => 2,
-        }
+    fn new(level: Level, evidence: Evidence) -> Self {
+        Self { level, evidence: (level > Level::Fine).then_some(evidence) }
+    }
+
+    fn by(limits: TwoLimits, value: f64, evidence: Evidence) -> Self {
+        Self::new(limits.level(value), evidence)
     }
 
     /// The worse of two, the first of equals.
-    pub fn worse(self, other: Self) -> Self {
-        if other.severity() > self.severity() { other } else { self }
-    }
-
-    fn of(value: f64, care: f64, distrust: f64, reason: impl FnOnce() -> String) -> Self {
-        match value {
-            value if value <= care => Self::Good,
-            value if value <= distrust => Self::TakeCare(reason()),
-            _ => Self::DoNotTrust(reason()),
-        }
+    fn worse(self, other: Self) -> Self {
+        if other.level > self.level { other } else { self }
     }
 }
 
 impl Calibrated {
-    /// Of alpha of colour `c` under light `l`: an error of alpha moves bounce 1 by as much over 1 - beta (SCIENCE: the
+    /// Of alpha of colour `c` under light `l`: an error of alpha moves bounce 1 by as much over 1 - beta (METHOD.md: the
     /// inverse of a 2 x 2 Vandermonde system).
     pub fn judge_alpha(&self, l: usize, c: usize) -> Option<Verdict> {
         let known = self.alpha.get(l)?.as_ref()?.get(c)?;
         let beta = self.beta.as_ref().and_then(|beta| beta.get(c)).map(|known| known.value);
-        let error = 100.0 * relative_half_width(known) / distance_from_one(beta);
-        let reason = || format!("its interval alone moves bounce 1 by {error:.1} %");
-        let verdict = Verdict::of(error, CARE_PERCENT, DISTRUST_PERCENT, reason);
+        let percent = 100.0 * relative_half_width(known) / distance_from_one(beta);
+        let verdict = Verdict::by(Limits::default().light_percent, percent, Evidence::Interval { percent });
         let evidence = self.evidence(SphereKind::Grey, l, c).filter(|_| known.source == Source::GreyBall);
-        Some(evidence.map_or(verdict.clone(), |evidence| verdict.worse(judge_ball(evidence))))
+        Some(evidence.into_iter().fold(verdict, |verdict, evidence| verdict.worse(judge_ball(evidence))))
     }
 
     /// Of beta of colour `c`: its error moves bounce 1 by as much over 1 - beta, and colours too alike cannot be told
-    /// apart: of two colours, bounce 1 has sqrt(1 + beta^4) / (beta (1 - beta)) times the noise of a photo.
+    /// apart. Of two colours the gain is that of the separation.
     pub fn judge_beta(&self, set: &CaptureSet, c: usize) -> Option<Verdict> {
         let betas = self.beta.as_ref()?;
         let known = betas.get(c)?;
         let values: Vec<f64> = betas.iter().map(|known| known.value).collect();
-        let name = format!("{:?}", set.colours.get(c)?.name);
-        let alike = set.check_beta_distances(&values).into_iter().find(|problem| problem.message.contains(&name));
-        if let Some(problem) = alike.filter(|_| c > 0) {
-            return Some(Verdict::DoNotTrust(problem.message));
+        let alike = set.colours_alike(&values).into_iter().find(|pair| c > 0 && pair.contains(&c));
+        if let Some([one, other]) = alike {
+            let name = |c: usize| set.colours[c].name.clone();
+            let evidence = Evidence::Alike { colours: [name(one), name(other)], beta: [values[one], values[other]] };
+            return Some(Verdict::new(Level::DoNotTrust, evidence));
         }
+        let limits = Limits::default();
         let half_width = known.interval.map_or(0.0, |[low, high]| (high - low) / 2.0);
-        let error = 100.0 * half_width / distance_from_one((c > 0).then_some(known.value));
-        let reason = || format!("its interval alone moves bounce 1 by {error:.1} %");
-        let verdict = Verdict::of(error, CARE_PERCENT, DISTRUST_PERCENT, reason);
+        let percent = 100.0 * half_width / distance_from_one((c > 0).then_some(known.value));
+        let verdict = Verdict::by(limits.light_percent, percent, Evidence::Interval { percent });
         let verdict = match set.colours.len() {
-            2 if c > 0 => verdict.worse(judge_gain(known.value)),
+            2 if c > 0 && set.bounces() > 1 => {
+                let gain = gain_of_ratio(known.value);
+                verdict.worse(Verdict::by(limits.gain, gain, Evidence::Gain { gain }))
+            }
             _ => verdict,
         };
         let measured = self.ratios.iter().filter(|ratio| ratio.ball == SphereKind::Material && ratio.colour == c);
@@ -110,23 +185,25 @@ impl Calibrated {
     pub fn judge_intensity(&self, l: usize) -> Option<Verdict> {
         let known = self.intensity.get(l)?;
         if known.source == Source::Assumed {
-            return Some(Verdict::TakeCare("taken as 1: lamps of unequal strength would bend the normals".into()));
+            return Some(Verdict::new(Level::TakeCare, Evidence::AssumedIntensity));
         }
-        let error = 100.0 * relative_half_width(known);
-        Some(Verdict::of(error, CARE_PERCENT, DISTRUST_PERCENT, || format!("known to {error:.1} % only")))
+        let percent = 100.0 * relative_half_width(known);
+        Some(Verdict::by(Limits::default().light_percent, percent, Evidence::Intensity { percent }))
     }
 
     /// Of the direction to light `l`.
-    pub fn judge_direction(&self, set: &CaptureSet, l: usize) -> Option<Verdict> {
+    pub fn judge_direction(&self, l: usize) -> Option<Verdict> {
         let known = self.direction.get(l)?.as_ref()?;
         let half_width =
             |[low, high]: [[f64; 3]; 2]| low.iter().zip(high).map(|(low, high)| (high - low) / 2.0).fold(0.0, f64::max);
-        let error_deg = known.interval.map_or(0.0, half_width).to_degrees();
-        let verdict =
-            Verdict::of(error_deg, CARE_DEG, DISTRUST_DEG, || format!("known to {error_deg:.1} degrees only"));
-        let about = format!("light {}: ", set.lights.get(l)?.name);
-        let warned = self.warnings.iter().find_map(|warning| warning.strip_prefix(&about)).map(str::to_owned);
-        Some(warned.map_or(verdict.clone(), |warning| verdict.worse(Verdict::TakeCare(warning))))
+        let degrees = known.interval.map_or(0.0, half_width).to_degrees();
+        let verdict = Verdict::by(Limits::default().normal_deg, degrees, Evidence::Direction { degrees });
+        let doubt = self.direction_doubts.get(l).and_then(|doubts| doubts.first());
+        Some(
+            doubt
+                .into_iter()
+                .fold(verdict, |verdict, doubt| verdict.worse(Verdict::new(Level::TakeCare, Evidence::Doubt(*doubt)))),
+        )
     }
 
     /// The ratio of colour `c` over the reference colour under light `l` on a ball.
@@ -135,27 +212,13 @@ impl Calibrated {
     }
 }
 
-fn judge_gain(beta: f64) -> Verdict {
-    let gain = (1.0 + beta.powi(4)).sqrt() / (beta * distance_from_one(Some(beta)));
-    Verdict::of(gain, CARE_GAIN, DISTRUST_GAIN, || {
-        format!("bounce 1 has {gain:.0} times the noise of a photo: the paint reflects both colours too much alike")
-    })
-}
-
 fn judge_ball(evidence: &RatioEvidence) -> Verdict {
+    let limits = Limits::default();
     let counts = evidence.report.pixels.counts();
-    let clipped = counts.clipped as f64 / counts.inside().max(1) as f64;
-    if clipped > CARE_CLIPPED {
-        return Verdict::TakeCare(format!("{:.0} % of the ball is clipped; shorten the exposure", 100.0 * clipped));
-    }
-    let scatter = evidence.report.scatter;
-    if scatter > CARE_SCATTER {
-        return Verdict::TakeCare(format!(
-            "its pixels scatter by {:.0} %; is the ball clean and of one paint?",
-            100.0 * scatter
-        ));
-    }
-    Verdict::Good
+    let clipped = 100.0 * counts.clipped as f64 / counts.inside().max(1) as f64;
+    let scatter = 100.0 * evidence.report.scatter;
+    let verdict = Verdict::by(limits.ball_clipped_percent, clipped, Evidence::Clipped { percent: clipped });
+    verdict.worse(Verdict::by(limits.ball_scatter_percent, scatter, Evidence::Scatter { percent: scatter }))
 }
 
 fn relative_half_width(known: &Known<f64>) -> f64 {
@@ -165,4 +228,49 @@ fn relative_half_width(known: &Known<f64>) -> f64 {
 /// |1 - beta|; one where beta is not known.
 fn distance_from_one(beta: Option<f64>) -> f64 {
     beta.map_or(1.0, |beta| (1.0 - beta).abs().max(1e-3))
+}
+
+#[cfg(test)]
+mod tests {
+    use firstbounce_core::interval::Estimate;
+    use firstbounce_core::trust::{LightLevels, Rig, TrustOptions, judge};
+    use nalgebra::DMatrix;
+
+    use super::*;
+
+    /// Beta between 0.5 and 1 whose gain is this.
+    fn beta_of_gain(gain: f64) -> f64 {
+        let (mut low, mut high) = (0.5, 1.0);
+        for _ in 0..60 {
+            let middle = (low + high) / 2.0;
+            if gain_of_ratio(middle) < gain { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    #[test]
+    fn calibrate_and_separate_judge_one_gain_alike() {
+        let mut set =
+            CaptureSet::open(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/demo")).unwrap();
+        set.separation.bounces = Some(2);
+        for (gain, level) in [
+            (5.0, Level::Fine),
+            (9.0, Level::Fine),
+            (12.0, Level::TakeCare),
+            (20.0, Level::TakeCare),
+            (30.0, Level::DoNotTrust),
+        ] {
+            let beta = beta_of_gain(gain);
+            let calibrated =
+                Calibrated { beta: Some([1.0, beta].map(Known::from_file).to_vec()), ..Calibrated::default() };
+            assert_eq!(calibrated.judge_beta(&set, 1).unwrap().level, level, "Calibrate at gain {gain}");
+
+            let exact = |values: [f64; 2]| values.map(Estimate::exact).to_vec();
+            let light =
+                LightLevels { alpha: exact([1.0; 2]), mean: vec![0.5, 0.5 * beta], sigma: vec![1e-9; 2], toward: None };
+            let rig = Rig { beta: exact([1.0, beta]), lights: vec![light], products: DMatrix::zeros(0, 0), frames: 1 };
+            let trust = judge(&rig, &TrustOptions::default()).unwrap();
+            assert_eq!(trust.level, level, "Separate at gain {gain}: {:?}", trust.reasons);
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Liao, Huang and Yang 2011: photos in several colours tell the bounces apart, and bounce 1 loses most of the noise.
 
-use firstbounce_core::denoise::{IndirectOptions, quieten_direct};
+use firstbounce_core::denoise::{DenoiseOptions, denoise_direct};
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, Separation, separate};
 
 use super::super::watch::Part;
@@ -19,7 +19,7 @@ pub(super) const ROW: Row = Row {
 fn direct_light(input: &Input, watch: &dyn PipelineWatch, _: &mut OnShape) -> Result<Found, PipelineError> {
     let Input { scene, options, .. } = input;
     let separated = separate_lights(scene, options.bounces_of(&scene.set), watch)?;
-    let direct = denoise_lights(scene, &separated, &options.indirect, watch)?;
+    let direct = denoise_lights(scene, &separated, &options.denoise, watch)?;
     Ok(Found { separated, direct, shape: None, report: MethodReport::None })
 }
 
@@ -40,13 +40,13 @@ pub fn separate_lights(scene: &Scene, bounces: usize, watch: &dyn PipelineWatch)
 pub fn denoise_lights(
     scene: &Scene,
     separated: &Separated,
-    options: &IndirectOptions,
+    options: &DenoiseOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Vec<Direct>, PipelineError> {
     let beta = scene.calibrated.beta_values()?;
     let denoised = |(l, separation): (usize, &Separation)| {
         let part = Part::of(watch, Stage::Separate, l, separated.lights.len());
-        let denoised = with_light(scene, &beta, l, |light| Ok(quieten_direct(light, separation, options, &part)?))?;
+        let denoised = with_light(scene, &beta, l, |light| Ok(denoise_direct(light, separation, options, &part)?))?;
         Ok(Direct {
             light: denoised.direct,
             noise: Some(denoised.noise),

@@ -1,6 +1,6 @@
 //! Nayar, Ikeuchi and Kanade 1991: photos in one colour, the bounces simulated on the shape that was found.
 
-use firstbounce_core::methods::by_shape::{Ending, Nayar, NayarReport, Photographed, nayar};
+use firstbounce_core::methods::by_shape::{ByShape, ByShapeReport, Ending, Photographed, separate_by_shape};
 use firstbounce_core::separate::{SeparateReport, Separation};
 use firstbounce_core::{Mask, Plane};
 
@@ -35,10 +35,11 @@ fn direct_light(input: &Input, watch: &dyn PipelineWatch, on_shape: &mut OnShape
     let photographed =
         Photographed { lights: &lights, mask: &scene.object.mask, camera: &camera, white_light: white_light.value };
     let part = Part::of(watch, Stage::Nayar, 0, 1);
-    let found = nayar(&photographed, pseudo_shape, &options.nayar, &options.shape, &part, &mut |_, shape| {
-        on_shape(shape);
-    })?;
-    let Nayar { shape, direct, report } = found;
+    let found =
+        separate_by_shape(&photographed, pseudo_shape, &options.nayar, &options.shape, &part, &mut |_, shape| {
+            on_shape(shape);
+        })?;
+    let ByShape { shape, direct, report } = found;
     let mut separated = input.raw.clone();
     let direct = replace_bounce_1(&mut separated, &scene.object.mask, raw, direct);
     let report = MethodReport::Nayar(NayarSolved { report, white_light: white_light.clone() });
@@ -60,7 +61,7 @@ pub struct AlbedoScale {
 #[derive(Clone, Debug, PartialEq)]
 pub struct NayarSolved {
     /// Its iterations.
-    pub report: NayarReport,
+    pub report: ByShapeReport,
     /// Linear light of a white facet that faces a lamp of intensity 1, and how that is known.
     pub white_light: Known<f64>,
 }
@@ -68,7 +69,7 @@ pub struct NayarSolved {
 impl NayarSolved {
     /// What a person should know before trusting the surface.
     pub fn warnings(&self, solved_pixels: usize) -> Vec<String> {
-        let NayarReport { steps, chosen, ending, islands, .. } = &self.report;
+        let ByShapeReport { steps, chosen, ending, islands, .. } = &self.report;
         let mut warnings = Vec::new();
         let last = steps.last().copied();
         match (ending, last) {

@@ -77,7 +77,7 @@ fn trust_section(report: &Report) -> Markup {
         h2 { "Trust" }
         p { "Verdict: " strong { (trust.level) } "." }
         table {
-            tr { th { "Light" } th { "noise of bounce 1, %" } th { "once quietened, %" } th { "calibration, %" } th { "tail, %" } }
+            tr { th { "Light" } th { "noise of bounce 1, %" } th { "once denoised, %" } th { "calibration, %" } th { "tail, %" } }
             @for (light, words) in &trust.light {
                 tr {
                     td { (light) } td { (number(words.noise_percent)) } td { (number(words.quiet_noise_percent)) }

@@ -236,7 +236,7 @@ impl Shown for [f64; 3] {
 fn refused(counts: PixelCounts) -> String {
     let reasons = [
         ("near the rim", counts.near_rim),
-        ("near the end of the light", counts.near_terminator),
+        ("near the terminator", counts.near_terminator),
         ("clipped", counts.clipped),
         ("dark", counts.dark),
         ("highlight", counts.highlight),

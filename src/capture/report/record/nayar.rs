@@ -1,6 +1,6 @@
 //! Nayar's method in numbers.
 
-use firstbounce_core::methods::by_shape::NayarStep;
+use firstbounce_core::methods::by_shape::ByShapeStep;
 use serde::Serialize;
 
 use crate::pipeline::NayarSolved;
@@ -56,7 +56,7 @@ impl NayarRecord {
 }
 
 impl NayarStepRecord {
-    fn of(step: &NayarStep) -> Self {
+    fn of(step: &ByShapeStep) -> Self {
         Self {
             change_deg: step.change_deg,
             mean_albedo: step.mean_albedo,

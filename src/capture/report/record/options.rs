@@ -34,7 +34,7 @@ impl OptionsRecord {
                 shadow_share: options.shape.normals.shadow_fraction,
                 misfit_share: options.shape.normals.outlier_fraction,
                 rounds: options.shape.rounds,
-                indirect_window_px: options.indirect.radius_px,
+                indirect_window_px: options.denoise.radius_px,
             },
             patches: nayar.map(|nayar| nayar.patches),
             max_iterations: nayar.map(|nayar| nayar.max_iterations),

@@ -72,7 +72,7 @@ impl TrustRecord {
             light: lights.iter().cloned().zip(trust.lights.iter().map(LightTrustRecord::of)).collect(),
             normal: trust.normal.map(|normal| NormalTrustRecord {
                 noise_deg: normal.noise_deg,
-                quiet_noise_deg: normal.quiet_noise_deg,
+                quiet_noise_deg: normal.denoised_noise_deg,
                 calibration_deg: normal.calibration_deg,
             }),
         }
@@ -88,9 +88,9 @@ impl LightTrustRecord {
     fn of(light: &LightTrust) -> Self {
         Self {
             noise_percent: light.noise_percent,
-            quiet_noise_percent: light.quiet_noise_percent,
+            quiet_noise_percent: light.denoised_noise_percent,
             calibration_percent: light.calibration_percent,
-            tail_percent: light.tail_percent,
+            tail_percent: light.truncation_percent,
             return_share: light.return_share,
         }
     }

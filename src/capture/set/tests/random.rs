@@ -1,4 +1,4 @@
-//! Sets and texts that nobody would think of.
+//! Random sets and texts.
 
 use std::path::Path;
 

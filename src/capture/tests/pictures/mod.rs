@@ -5,35 +5,16 @@
 
 use std::fs;
 use std::io::Cursor;
-use std::path::PathBuf;
 
 use firstbounce_capture::image_file::{ExrLayer, write_exr};
 use firstbounce_core::Plane;
+pub use firstbounce_testing::Folder;
 use image::{DynamicImage, ImageFormat};
-use tempfile::TempDir;
 use tiff::encoder::colortype::{Gray16, Gray32Float, RGB8, RGB16, RGB32Float};
 use tiff::encoder::{Compression, TiffEncoder};
 
 pub const WIDTH: u32 = 21;
 pub const HEIGHT: u32 = 14;
-
-/// A folder that goes away with the test.
-pub struct Folder(pub TempDir);
-
-impl Folder {
-    pub fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    pub fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
-        fs::write(self.path(name), bytes).unwrap();
-        self.path(name)
-    }
-}
 
 /// `count` different 16-bit values, both ends among them.
 pub fn words(count: usize) -> Vec<u16> {

@@ -1,4 +1,4 @@
-//! Masks that a person draws over a picture: a lasso, a brush, a threshold.
+//! Masks that the user draws over a picture: a lasso, a brush, a threshold.
 
 use rayon::prelude::*;
 
@@ -55,8 +55,7 @@ impl Mask {
 
     /// The pixels brighter than `threshold`, in the picture's own unit.
     pub fn brighter_than(picture: &Plane, threshold: f32) -> Self {
-        let data = picture.data().par_iter().map(|&value| value > threshold).collect();
-        Self { width: picture.width(), height: picture.height(), data }
+        picture.map(|value| value > threshold)
     }
 
     /// Adds or removes the pixels of `shape`; false, and nothing done, if the two differ in size.
@@ -64,7 +63,7 @@ impl Mask {
         if self.size() != shape.size() {
             return false;
         }
-        self.data.par_iter_mut().zip(&shape.data).for_each(|(inside, drawn)| match how {
+        self.data_mut().par_iter_mut().zip(shape.data()).for_each(|(inside, drawn)| match how {
             Combine::Add => *inside |= drawn,
             Combine::Remove => *inside &= !drawn,
         });
@@ -74,7 +73,7 @@ impl Mask {
     fn from_rows(width: usize, height: usize, fill: impl Fn(usize, &mut [bool]) + Sync) -> Self {
         let mut mask = Self::filled(width, height, false);
         if width > 0 {
-            mask.data.par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| fill(y, row));
+            mask.data_mut().par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| fill(y, row));
         }
         mask
     }

@@ -1,9 +1,10 @@
-//! Which pixels belong to the object.
+//! The pixels that belong to the object.
 
 mod draw;
 
 use rayon::prelude::*;
 
+use super::raster::Raster;
 use crate::Plane;
 
 pub use draw::Combine;
@@ -11,34 +12,10 @@ pub use draw::Combine;
 /// Steps of brightness between which the threshold is looked for.
 const HISTOGRAM_STEPS: usize = 1024;
 
-/// A yes or no for each pixel, row by row, the top row first.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mask {
-    width: usize,
-    height: usize,
-    data: Vec<bool>,
-}
+/// A yes or no for each pixel: true inside the object.
+pub type Mask = Raster<bool>;
 
 impl Mask {
-    /// A mask with one answer everywhere.
-    pub fn filled(width: usize, height: usize, value: bool) -> Self {
-        Self { width, height, data: vec![value; width * height] }
-    }
-
-    /// Takes rows of answers as they are; `None` if `data` is not `width * height` long.
-    pub fn from_vec(width: usize, height: usize, data: Vec<bool>) -> Option<Self> {
-        (data.len() == width * height).then_some(Self { width, height, data })
-    }
-
-    /// A mask whose answer at column `x`, row `y` is `inside(x, y)`.
-    pub fn from_fn(width: usize, height: usize, mut inside: impl FnMut(usize, usize) -> bool) -> Self {
-        let mut data = Vec::with_capacity(width * height);
-        for y in 0..height {
-            data.extend((0..width).map(|x| inside(x, y)));
-        }
-        Self { width, height, data }
-    }
-
     /// The pixels brighter than what best parts the picture in two (N. Otsu, "A threshold selection method from
     /// gray-level histograms", IEEE Trans. SMC 9(1), 1979): an object on a dark ground.
     pub fn brighter_part(picture: &Plane) -> Self {
@@ -50,58 +27,28 @@ impl Mask {
         otsu_threshold(picture.data())
     }
 
-    /// Pixels in a row.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Rows.
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    /// `(width, height)` in pixels.
-    pub fn size(&self) -> (usize, usize) {
-        (self.width, self.height)
-    }
-
-    /// All answers, row by row.
-    pub fn data(&self) -> &[bool] {
-        &self.data
-    }
-
-    /// All answers, row by row, to be changed in place.
-    pub fn data_mut(&mut self) -> &mut [bool] {
-        &mut self.data
-    }
-
-    /// The answer at column `x`, row `y`. Panics outside the mask, like a slice.
-    pub fn at(&self, x: usize, y: usize) -> bool {
-        debug_assert!(x < self.width);
-        self.data[y * self.width + x]
-    }
-
     /// The connected part that each pixel belongs to, numbered from 1; 0 outside. Pixels connect along rows and columns.
     pub fn islands(&self) -> Vec<u32> {
-        let mut island = vec![0; self.data.len()];
+        let (inside, (width, height)) = (self.data(), self.size());
+        let mut island = vec![0; inside.len()];
         let mut count = 0;
         let mut open = Vec::new();
         for start in 0..island.len() {
-            if !self.data[start] || island[start] != 0 {
+            if !inside[start] || island[start] != 0 {
                 continue;
             }
             count += 1;
             island[start] = count;
             open.push(start);
             while let Some(pixel) = open.pop() {
-                let (x, y) = (pixel % self.width, pixel / self.width);
+                let (x, y) = (pixel % width, pixel / width);
                 let beside = [
                     (x > 0).then(|| pixel - 1),
-                    (x + 1 < self.width).then(|| pixel + 1),
-                    (y > 0).then(|| pixel - self.width),
-                    (y + 1 < self.height).then(|| pixel + self.width),
+                    (x + 1 < width).then(|| pixel + 1),
+                    (y > 0).then(|| pixel - width),
+                    (y + 1 < height).then(|| pixel + width),
                 ];
-                for next in beside.into_iter().flatten().filter(|&next| self.data[next]) {
+                for next in beside.into_iter().flatten().filter(|&next| inside[next]) {
                     if island[next] == 0 {
                         island[next] = count;
                         open.push(next);
@@ -114,7 +61,7 @@ impl Mask {
 
     /// How many pixels are inside.
     pub fn count(&self) -> usize {
-        self.data.iter().filter(|&&inside| inside).count()
+        self.data().iter().filter(|&&inside| inside).count()
     }
 }
 

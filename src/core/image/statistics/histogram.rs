@@ -1,4 +1,4 @@
-//! How often a plane takes which value.
+//! The histogram of a plane.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,4 @@
-//! What an inspector tells of planes: histograms, statistics of a region, profiles along a line.
+//! Measurements on planes: histograms, statistics of a region, profiles along a line.
 
 mod histogram;
 mod profile;

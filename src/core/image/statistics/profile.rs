@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::Plane;
 
 /// More samples than any screen has columns for.
-const MOST_SAMPLES: usize = 20_000;
+const MAX_SAMPLES: usize = 20_000;
 
 /// Values along a line from one point to another.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Profile {
 pub fn profile(planes: &[&Plane], from_px: [f64; 2], to_px: [f64; 2]) -> Profile {
     let [dx, dy] = [to_px[0] - from_px[0], to_px[1] - from_px[1]];
     let length = dx.hypot(dy);
-    let steps = (length.ceil() as usize).clamp(1, MOST_SAMPLES - 1);
+    let steps = (length.ceil() as usize).clamp(1, MAX_SAMPLES - 1);
     let at = |i: usize| i as f64 / steps as f64;
     let sample = |plane: &&Plane| {
         let value = |i: usize| plane.sample(from_px[0] + at(i) * dx, from_px[1] + at(i) * dy);

@@ -14,7 +14,7 @@ pub enum Region {
     Lasso(Vec<[f64; 2]>),
 }
 
-/// What a region tells. All are `NaN`-free: values that are no number are counted and left out.
+/// The statistics of a region. All are `NaN`-free: values that are no number are counted and left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegionStatistics {
     /// Pixels with a finite value.

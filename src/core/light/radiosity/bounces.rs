@@ -1,6 +1,7 @@
 //! Each bounce by itself, and all of them.
 
 use super::{RadiosityError, form_factors::FormFactors};
+use crate::options::check_range;
 use crate::{Portion, Watch};
 
 /// About how many passes over the form factors the sum of all bounces takes, to share out progress.
@@ -9,9 +10,9 @@ const SOLVER_PASSES: f32 = 10.0;
 /// Which bounces, for which paints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BounceOptions {
-    /// Albedos, the reference first. Bounces are told apart for the reference; the sum is solved for every one.
+    /// Albedos, the reference first. Bounces are kept apart for the reference; the sum is solved for every one.
     pub albedos: Vec<f64>,
-    /// How many bounces to tell apart.
+    /// How many bounces to keep apart.
     pub bounces: usize,
     /// The solver stops when `|rho E - (I - rho F) B|` falls below this fraction of `|rho E|` (norms weighted by area).
     pub relative_residual: f64,
@@ -28,26 +29,18 @@ impl Default for BounceOptions {
 impl BounceOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), RadiosityError> {
-        let bad = |option, value, advice| Err(RadiosityError::BadOption { option, value, advice });
         if let Some(&albedo) = self.albedos.iter().find(|&&albedo| !(albedo > 0.0 && albedo < 1.0)) {
             return Err(RadiosityError::BadAlbedo { albedo });
         }
-        if self.albedos.is_empty() {
-            return bad("albedos", 0.0, "give at least one");
-        }
-        if self.bounces == 0 {
-            return bad("bounces", 0.0, "ask for at least one");
-        }
-        if !(self.relative_residual > 0.0 && self.relative_residual < 1.0) {
-            return bad("relative_residual", self.relative_residual, "take a value between 0 and 1, such as 1e-6");
-        }
-        if self.max_iterations == 0 {
-            return bad("max_iterations", 0.0, "allow at least one");
-        }
-        Ok(())
+        check_range("albedos", self.albedos.len() as f64, !self.albedos.is_empty(), "at least one")?;
+        check_range("bounces", self.bounces as f64, self.bounces >= 1, "at least 1")?;
+        let residual = self.relative_residual;
+        let range = "between 0 and 1, such as 1e-6";
+        check_range("relative_residual", residual, residual > 0.0 && residual < 1.0, range)?;
+        Ok(check_range("max_iterations", self.max_iterations as f64, self.max_iterations >= 1, "at least 1")?)
     }
 
-    /// The albedo of the bounces that are told apart.
+    /// The albedo of the bounces that are kept apart.
     pub fn reference_albedo(&self) -> f64 {
         self.albedos.first().copied().unwrap_or_default()
     }
@@ -175,7 +168,7 @@ impl<'a> Solver<'a> {
     }
 
     fn run(&mut self, options: &BounceOptions, watch: &dyn Watch) -> Result<BounceReport, RadiosityError> {
-        let mut told = 0.0_f32;
+        let mut reported = 0.0_f32;
         for iterations in 0..=options.max_iterations {
             let residual = self.systems.iter().map(System::relative_residual).fold(0.0, f64::max);
             if residual <= options.relative_residual {
@@ -184,13 +177,13 @@ impl<'a> Solver<'a> {
             if iterations == options.max_iterations {
                 return Err(RadiosityError::NotConverged { residual, iterations });
             }
-            // The residual falls about geometrically, so its logarithm tells how far the way is.
+            // The residual falls about geometrically, so its logarithm is the progress.
             let way = (residual.ln() / options.relative_residual.ln()).clamp(0.0, 1.0) as f32;
-            let from = way.max(told);
-            told = from + (1.0 - from) / SOLVER_PASSES;
+            let from = way.max(reported);
+            reported = from + (1.0 - from) / SOLVER_PASSES;
             watch.progress(from);
             let directions: Vec<Vec<f64>> = self.systems.iter().map(|system| system.direction.clone()).collect();
-            let arriving = self.factors.irradiance(&directions, &Portion { watch, from, to: told })?;
+            let arriving = self.factors.irradiance(&directions, &Portion { watch, from, to: reported })?;
             for (system, arriving) in self.systems.iter_mut().zip(&arriving) {
                 system.step(&self.areas, arriving);
             }

@@ -1,4 +1,4 @@
-//! How much of the light that leaves one patch reaches another.
+//! Form factors: how much of the light that leaves one patch reaches another.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,11 +11,12 @@ use super::{
     patches::Patches,
 };
 use crate::Watch;
+use crate::options::check_range;
 
 /// What form factors may cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FormFactorOptions {
-    /// Above this the factors are not kept but computed anew for every bounce. N patches need 2 N^2 bytes.
+    /// Above this the factors are not kept but computed again for every bounce. N patches need 2 N^2 bytes.
     pub memory_limit_bytes: u64,
     /// Rays between two patches that face each other and are near, to find which part of one the other sees; patches
     /// farther apart than ten times their radii get one. None are used where nothing can stand between two patches.
@@ -31,11 +32,7 @@ impl Default for FormFactorOptions {
 impl FormFactorOptions {
     /// Whether every option is in its range.
     pub fn check(&self) -> Result<(), RadiosityError> {
-        if self.rays_per_pair == 0 {
-            let advice = "at least one ray must look from patch to patch";
-            return Err(RadiosityError::BadOption { option: "rays_per_pair", value: 0.0, advice });
-        }
-        Ok(())
+        Ok(check_range("rays_per_pair", self.rays_per_pair as f64, self.rays_per_pair >= 1, "at least 1")?)
     }
 
     /// Whether the factors of so many patches are kept.
@@ -63,7 +60,7 @@ pub struct FormFactorReport {
     pub visible_fraction: f64,
     /// Whether the shape made rays unnecessary.
     pub unoccluded: bool,
-    /// Whether the factors are kept; else every bounce computes them anew.
+    /// Whether the factors are kept; else every bounce computes them again.
     pub stored: bool,
     /// Memory the factors take.
     pub bytes: u64,
@@ -128,12 +125,12 @@ impl FormFactors {
         Ok(columns)
     }
 
-    /// Whether the factors are kept; else every pass computes them anew.
+    /// Whether the factors are kept; else every pass computes them again.
     pub fn is_stored(&self) -> bool {
         self.rows.is_some()
     }
 
-    /// `G` times each column, streaming once through the factors. Tells progress where they are computed anew.
+    /// `G` times each column, streaming once through the factors. Reports progress where they are computed again.
     fn exchange_columns(
         &self,
         columns: &[Vec<f64>],
@@ -164,7 +161,7 @@ impl FormFactors {
                     *sum_i += exchange_row(row, column[i], &column[i + 1..], sums_after);
                 }
                 if self.rows.is_none() {
-                    tell_row(count, i, &finished, watch);
+                    report_row(count, i, &finished, watch);
                 }
             }
             Ok((sums, tally))
@@ -262,7 +259,7 @@ fn exchange_row(row: &[f32], own: f64, later: &[f64], sums: &mut [f64]) -> f64 {
 }
 
 /// Tells each hundredth of the pairs of `count` patches, once row `i` of them is finished too.
-fn tell_row(count: usize, i: usize, finished_pairs: &AtomicUsize, watch: &dyn Watch) {
+fn report_row(count: usize, i: usize, finished_pairs: &AtomicUsize, watch: &dyn Watch) {
     let (pairs, all) = (count - i, count * (count + 1) / 2);
     let before = finished_pairs.fetch_add(pairs, Ordering::Relaxed);
     let hundredth = |pairs: usize| pairs * 100 / all;
@@ -280,7 +277,7 @@ fn equal_shares(count: usize, shares: usize) -> Vec<Range<usize>> {
     (0..shares).map(|share| end(share)..end(share + 1)).filter(|range| !range.is_empty()).collect()
 }
 
-/// Exchange met on the way, to tell how much of it is blocked.
+/// Exchange met on the way, to know how much of it is blocked.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     facing_mm2: f64,

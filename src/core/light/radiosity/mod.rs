@@ -13,6 +13,8 @@ pub(crate) mod polygon;
 
 use thiserror::Error;
 
+use crate::options::OptionError;
+
 pub use bounces::{BounceOptions, BounceReport, Radiosities, bounces};
 pub use form_factors::{FormFactorOptions, FormFactorReport, FormFactors, form_factors};
 pub use occlusion::{Hit, Occluders};
@@ -36,16 +38,9 @@ pub enum RadiosityError {
         /// The albedo asked for.
         albedo: f64,
     },
-    /// Another option out of its range.
-    #[error("{option} is {value}; {advice}")]
-    BadOption {
-        /// The field of the options.
-        option: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it may be.
-        advice: &'static str,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Irradiance for another surface.
     #[error("the irradiance has {found} values and the surface {expected} patches; compute it on the same patches")]
     WrongLength {

@@ -1,4 +1,4 @@
-//! What stands between two points.
+//! Occlusion between two points.
 
 use nalgebra::{Point3, Vector3};
 use obvhs::{

@@ -12,7 +12,7 @@ const CENTRES_SUFFICE: f64 = 10.0;
 /// Beyond this many, the three-point rule of degree 2 on each; nearer, and where they touch, the contour integral.
 const THREE_POINTS_SUFFICE: f64 = 2.0;
 
-/// Area of `a` times its form factor to `b` (symmetric) with what stands between them left out, and how many rays the
+/// Area of `a` times its form factor to `b` (symmetric) with what lies between them left out, and how many rays the
 /// pair deserves: many small far pairs need one each for what few near ones need `rays_if_near`.
 pub(super) fn unoccluded_exchange_mm2(a: &Patch, b: &Patch, flat_mm: f64, rays_if_near: usize) -> (f64, usize) {
     let (above_a, above_b) = (a.height_mm(&b.centre), b.height_mm(&a.centre));

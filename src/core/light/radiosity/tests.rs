@@ -147,7 +147,7 @@ fn without_memory_the_factors_are_the_same() {
     }
 }
 
-/// Keeps what it is told.
+/// Keeps what is reported.
 #[derive(Default)]
 struct Heard(std::sync::Mutex<Vec<f32>>);
 

@@ -1,4 +1,4 @@
-//! Where lamps and camera stand.
+//! Placement of lamps and camera.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::SceneError;
 use crate::light::radiosity::{Occluders, Patch, Patches};
+use crate::options::check_range;
 
 /// A lamp. Its intensity is the irradiance of a facet at the origin that faces it, with nothing between.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +19,7 @@ pub enum Lamp {
     },
     /// A small lamp that shines equally to all sides.
     Point {
-        /// Where it stands.
+        /// Where it is.
         position_mm: Point3<f64>,
         /// Irradiance of a facet at the origin that faces it.
         intensity: f64,
@@ -78,7 +79,7 @@ impl Lamp {
         }
     }
 
-    /// Where it stands; of an area lamp its centre. `None` for a distant lamp.
+    /// Where it is; of an area lamp its centre. `None` for a distant lamp.
     pub fn position_mm(&self) -> Option<Point3<f64>> {
         match self {
             Self::Directional { .. } => None,
@@ -107,30 +108,26 @@ impl Lamp {
 
     /// Whether the lamp can shine on the origin.
     pub fn check(&self) -> Result<(), SceneError> {
-        let bad = |what, value, range| Err(SceneError::BadLamp { what, value, range });
         let intensity = self.intensity();
-        if !(intensity.is_finite() && intensity >= 0.0) {
-            return bad("intensity", intensity, "0 or more");
-        }
+        check_range("intensity", intensity, intensity.is_finite() && intensity >= 0.0, "0 or more")?;
         match self {
-            Self::Directional { direction_to_light, .. } if (direction_to_light.norm() - 1.0).abs() > 1e-6 => {
-                bad("the length of direction_to_light", direction_to_light.norm(), "1")
+            Self::Directional { direction_to_light, .. } => {
+                let length = direction_to_light.norm();
+                check_range("the length of direction_to_light", length, (length - 1.0).abs() <= 1e-6, "1")?;
             }
-            Self::Point { position_mm, .. } if position_mm.coords.norm() == 0.0 => {
-                bad("the distance of the lamp", position_mm.coords.norm(), "greater than 0")
+            Self::Point { position_mm, .. } => {
+                let distance_mm = position_mm.coords.norm();
+                check_range("the distance of the lamp", distance_mm, distance_mm != 0.0, "greater than 0")?;
             }
-            Self::Area { points_per_side, .. } if !(1..=64).contains(points_per_side) => {
-                bad("points_per_side", *points_per_side as f64, "between 1 and 64")
-            }
-            Self::Area { centre_mm, half_width_mm, half_height_mm, .. } => {
+            Self::Area { centre_mm, half_width_mm, half_height_mm, points_per_side, .. } => {
+                let points = *points_per_side;
+                check_range("points_per_side", points as f64, (1..=64).contains(&points), "between 1 and 64")?;
                 let toward_origin = -half_width_mm.cross(half_height_mm).dot(&centre_mm.coords);
-                if toward_origin > 0.0 {
-                    return Ok(());
-                }
-                bad("the side an area lamp turns to the origin", toward_origin, "its front; swap width and height")
+                let range = "its front; swap width and height";
+                check_range("the side an area lamp turns to the origin", toward_origin, toward_origin > 0.0, range)?;
             }
-            _ => Ok(()),
         }
+        Ok(())
     }
 
     pub(super) fn sources(&self) -> Result<Sources, SceneError> {

@@ -28,26 +28,6 @@ pub use shape::Shape;
 /// Why the scene could not be lit or seen.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SceneError {
-    /// A measure of a built-in shape out of its range.
-    #[error("{what} is {value}; it must be {range}")]
-    BadShape {
-        /// The field of the shape.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it may be.
-        range: &'static str,
-    },
-    /// A measure of a lamp out of its range.
-    #[error("{what} is {value}; it must be {range}")]
-    BadLamp {
-        /// What is wrong.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it may be.
-        range: &'static str,
-    },
     /// An option out of its range.
     #[error(transparent)]
     Option(#[from] OptionError),
@@ -62,20 +42,6 @@ pub enum SceneError {
     BadCamera {
         /// The camera.
         camera: Camera,
-    },
-    /// A number of samples out of its range.
-    #[error("{option} is {value}; take 1 to 16")]
-    BadOption {
-        /// The field of the options.
-        option: &'static str,
-        /// Its value.
-        value: usize,
-    },
-    /// A tolerance out of its range.
-    #[error("gather_tolerance is {tolerance}; take a fraction from 0 to 1, such as 0.1")]
-    BadTolerance {
-        /// The value.
-        tolerance: f64,
     },
     /// The light could not be bounced.
     #[error(transparent)]

@@ -1,4 +1,4 @@
-//! What the camera sees of the surface, bounce by bounce.
+//! The picture of the surface, bounce by bounce.
 
 use std::ops::Range;
 
@@ -12,12 +12,13 @@ use super::{
     lamp::{Lamp, Receiver, Sources, irradiances},
 };
 use crate::light::radiosity::{BounceOptions, BounceReport, FormFactors, Hit, Patches, bounces};
+use crate::options::check_range;
 use crate::{Camera, Mask, NormalMap, Plane, Portion, Projection, Watch};
 
 /// How a scene is rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
-    /// The paint, and how many bounces to tell apart.
+    /// The paint, and how many bounces to keep apart.
     pub bounces: BounceOptions,
     /// Samples along each side of a pixel: direct light, shadows, normals and depth are means over their square.
     pub samples_per_pixel_side: usize,
@@ -53,14 +54,10 @@ impl RenderOptions {
             ("gather_spacing_px", self.gather_spacing_px),
             ("points_per_patch_side", self.points_per_patch_side),
         ] {
-            if !(1..=16).contains(&value) {
-                return Err(SceneError::BadOption { option, value });
-            }
+            check_range(option, value as f64, (1..=16).contains(&value), "1 to 16")?;
         }
-        if !(0.0..1.0).contains(&self.gather_tolerance) {
-            return Err(SceneError::BadTolerance { tolerance: self.gather_tolerance });
-        }
-        Ok(())
+        let tolerance = self.gather_tolerance;
+        Ok(check_range("gather_tolerance", tolerance, (0.0..1.0).contains(&tolerance), "from 0 to below 1")?)
     }
 }
 
@@ -115,7 +112,7 @@ pub fn render(
     }
     let patches = factors.patches();
     let direct = irradiances(patches, lamps, options.points_per_patch_side)?;
-    // Form factors that are computed anew for every bounce take the longest.
+    // Form factors that are computed again for every bounce take the longest.
     let seen = if factors.is_stored() { 0.1 } else { 0.8 };
     let (radiosities, all_bounces) =
         bounces(factors, &direct, &options.bounces, &Portion { watch, from: 0.0, to: seen })?;

@@ -7,6 +7,7 @@ use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use super::SceneError;
 use crate::Mesh;
 use crate::mesh::LengthUnit;
+use crate::options::check_range;
 
 /// From a speck to a kilometre: beyond that the tree of a single-precision ray tracer breaks down.
 const LENGTHS_MM: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
@@ -68,28 +69,28 @@ impl Shape {
     }
 
     fn check(&self, patches: usize) -> Result<(), SceneError> {
-        let bad = |what, value, range| Err(SceneError::BadShape { what, value, range });
         let lengths: &[(&'static str, f64)] = match self {
             Self::Corner { wall_mm, .. } => &[("wall_mm", *wall_mm)],
             Self::Groove { wall_mm, length_mm, .. } => &[("wall_mm", *wall_mm), ("length_mm", *length_mm)],
             Self::Bowl { radius_mm, .. } => &[("radius_mm", *radius_mm)],
             Self::Tray { side_mm } => &[("side_mm", *side_mm)],
         };
-        if let Some(&(what, value)) = lengths.iter().find(|(_, mm)| !(LENGTHS_MM.contains(mm))) {
-            return bad(what, value, "between 0.001 and 1000000 mm");
+        for &(option, mm) in lengths {
+            check_range(option, mm, LENGTHS_MM.contains(&mm), "between 0.001 and 1000000 mm")?;
         }
         match *self {
-            Self::Corner { roll_deg, .. } if !roll_deg.is_finite() => bad("roll_deg", roll_deg, "finite"),
-            Self::Groove { angle_deg, .. } if !(angle_deg > 0.0 && angle_deg < 360.0) => {
-                bad("angle_deg", angle_deg, "between 0 and 360")
+            Self::Corner { roll_deg, .. } => check_range("roll_deg", roll_deg, roll_deg.is_finite(), "finite")?,
+            Self::Groove { angle_deg, .. } => {
+                check_range("angle_deg", angle_deg, angle_deg > 0.0 && angle_deg < 360.0, "between 0 and 360")?;
             }
-            Self::Bowl { half_angle_deg, .. } if !(half_angle_deg > 0.0 && half_angle_deg <= 90.0) => {
-                bad("half_angle_deg", half_angle_deg, "above 0 and at most 90")
+            Self::Bowl { half_angle_deg: angle_deg, rim_mm, .. } => {
+                let in_range = angle_deg > 0.0 && angle_deg <= 90.0;
+                check_range("half_angle_deg", angle_deg, in_range, "above 0 and at most 90")?;
+                check_range("rim_mm", rim_mm, rim_mm.is_finite() && rim_mm >= 0.0, "0 or more")?;
             }
-            Self::Bowl { rim_mm, .. } if !(rim_mm.is_finite() && rim_mm >= 0.0) => bad("rim_mm", rim_mm, "0 or more"),
-            _ if !(2..=4_000_000).contains(&patches) => bad("patches", patches as f64, "between 2 and 4 million"),
-            _ => Ok(()),
+            Self::Tray { .. } => {}
         }
+        Ok(check_range("patches", patches as f64, (2..=4_000_000).contains(&patches), "between 2 and 4 million")?)
     }
 
     fn area_mm2(&self) -> f64 {

@@ -5,6 +5,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use super::*;
 use crate::light::radiosity::{BounceOptions, FormFactors, Patches, form_factors};
 use crate::mesh::LengthUnit;
+use crate::options::OptionError;
 use crate::{Mesh, Plane, Projection, Unwatched};
 
 fn factors_of(mesh: &Mesh) -> FormFactors {
@@ -218,10 +219,10 @@ fn a_cancelled_run_stops() {
 #[test]
 fn what_is_out_of_range_is_refused() {
     let cone = Shape::Bowl { radius_mm: 1.0, half_angle_deg: 120.0, rim_mm: 0.0 };
-    assert!(matches!(cone.mesh(100), Err(SceneError::BadShape { what: "half_angle_deg", .. })));
+    assert!(matches!(cone.mesh(100), Err(SceneError::Option(OptionError { option: "half_angle_deg", .. }))));
     let factors = factors_of(&Shape::Corner { wall_mm: 60.0, roll_deg: 0.0 }.mesh(6).unwrap());
     let camera = orthographic(1.0, 4, 4);
     assert_eq!(render(&factors, &[], &camera, &Default::default(), &Unwatched).unwrap_err(), SceneError::NoLamp);
     let lamp = Lamp::Point { position_mm: Point3::origin(), intensity: 1.0 };
-    assert!(matches!(lamp.check(), Err(SceneError::BadLamp { .. })));
+    assert!(matches!(lamp.check(), Err(SceneError::Option(OptionError { .. }))));
 }

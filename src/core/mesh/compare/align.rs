@@ -192,7 +192,7 @@ impl Job<'_> {
     }
 
     /// Keeps the given start if it fits; else tries turns about the centres. One of those must fit, and clearly better
-    /// than the given one: nobody asked for it, and smooth surfaces fit each other somewhere even if they are strangers.
+    /// than the given one: it was not asked for, and smooth surfaces fit each other somewhere even if they are unrelated.
     fn search(&self, given: Run) -> Result<(Run, bool), CompareError> {
         if self.fits(&given) || !self.options.search {
             return Ok((given, false));

@@ -1,4 +1,4 @@
-//! How far a mesh strays from the one it was made from.
+//! The deviation of a mesh from the one it was made from.
 
 use rayon::prelude::*;
 

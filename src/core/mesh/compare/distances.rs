@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::surface::Surface;
 use super::{CompareError, Side, check_mesh};
+use crate::options::check_range;
 use crate::{Mesh, Watch};
 
 /// Vertices measured between two looks at the watch.
@@ -21,12 +22,8 @@ pub struct DistanceOptions {
 impl DistanceOptions {
     /// Refuses a limit that is not positive.
     pub fn check(&self) -> Result<(), CompareError> {
-        match self.limit_mm {
-            Some(value) if !(value > 0.0 && value.is_finite()) => {
-                Err(CompareError::Option { name: "limit_mm", value, range: "more than 0 mm" })
-            }
-            _ => Ok(()),
-        }
+        let limit_mm = self.limit_mm.unwrap_or(1.0);
+        Ok(check_range("limit_mm", limit_mm, limit_mm > 0.0 && limit_mm.is_finite(), "more than 0 mm")?)
     }
 }
 

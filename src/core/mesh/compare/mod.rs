@@ -1,4 +1,4 @@
-//! How far a mesh is from a reference: rigid alignment, then distances. All lengths in mm.
+//! Comparison of a mesh with a reference: rigid alignment, then distances. All lengths in mm.
 //!
 //! [`align`] finds the rigid motion that lays one mesh onto another (iterative closest point, point to plane);
 //! [`distances`] measures every vertex of one mesh against the surface of the other; [`colour_by_distance`] paints what
@@ -32,6 +32,7 @@ pub use rigid::{RigidFit, rigid_from_pairs};
 
 use crate::mesh::topology::MeshFault;
 use crate::mesh::{LengthUnit, Mesh};
+use crate::options::OptionError;
 
 /// Which of the two meshes of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,16 +75,9 @@ pub enum CompareError {
         /// Which mesh.
         side: Side,
     },
-    /// An option is outside its range.
-    #[error("{name} is {value}; it must be {range}")]
-    Option {
-        /// The option's name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// What is allowed.
-        range: &'static str,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Fewer than three picked pairs, or pairs on one line.
     #[error("the {count} picked pairs do not fix a position: pick at least three pairs that do not lie on one line")]
     PairsOnALine {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::pairs::Pair;
 
-/// A motion by 1 mm that parts the surfaces by less than this many mm is free: nobody should trust its amount.
+/// A motion by 1 mm that parts the surfaces by less than this many mm is free: its amount is not to be trusted.
 const FREE_BELOW: f64 = 0.05;
 /// Below this the equations say nothing at all, and the motion is left as it was.
 const UNKNOWN_BELOW: f64 = 0.005;

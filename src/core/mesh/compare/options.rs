@@ -1,8 +1,9 @@
-//! What a person may choose about an alignment.
+//! The options of an alignment.
 
 use nalgebra::{Isometry3, Point3};
 
 use super::CompareError;
+use crate::options::check_range;
 
 /// Where the alignment begins.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,7 +13,7 @@ pub enum Start {
     CameraFrame,
     /// A known pose, moving to fixed, translation in mm.
     Pose(Isometry3<f64>),
-    /// Points that a person picked: each on the moving mesh, and where it belongs on the fixed one, in mm.
+    /// Points that the user picked: each on the moving mesh, and where it belongs on the fixed one, in mm.
     Pairs(Vec<(Point3<f64>, Point3<f64>)>),
 }
 
@@ -53,20 +54,16 @@ impl Default for AlignOptions {
 impl AlignOptions {
     /// Refuses values outside their range, with the range.
     pub fn check(&self) -> Result<(), CompareError> {
-        let in_range = |name, value: f64, ok: bool, range| match ok {
-            true => Ok(()),
-            false => Err(CompareError::Option { name, value, range }),
-        };
         if let Start::Pose(pose) = &self.start {
             let largest = pose.to_homogeneous().amax();
-            in_range("start pose", largest, pose.to_homogeneous().iter().all(|x| x.is_finite()), "finite")?;
+            check_range("start pose", largest, pose.to_homogeneous().iter().all(|x| x.is_finite()), "finite")?;
         }
-        in_range("trim", self.trim, (0.0..=0.9).contains(&self.trim), "0 to 0.9")?;
+        check_range("trim", self.trim, (0.0..=0.9).contains(&self.trim), "0 to 0.9")?;
         let overlap = self.minimum_overlap;
-        in_range("minimum_overlap", overlap, (0.0..=1.0).contains(&overlap), "0 to 1")?;
+        check_range("minimum_overlap", overlap, (0.0..=1.0).contains(&overlap), "0 to 1")?;
         let reach = self.reach_mm.unwrap_or(1.0);
-        in_range("reach_mm", reach, reach > 0.0 && reach.is_finite(), "more than 0 mm")?;
-        in_range("samples", self.samples as f64, self.samples >= 100, "at least 100")?;
-        in_range("iterations", self.iterations as f64, self.iterations >= 1, "at least 1")
+        check_range("reach_mm", reach, reach > 0.0 && reach.is_finite(), "more than 0 mm")?;
+        check_range("samples", self.samples as f64, self.samples >= 100, "at least 100")?;
+        Ok(check_range("iterations", self.iterations as f64, self.iterations >= 1, "at least 1")?)
     }
 }

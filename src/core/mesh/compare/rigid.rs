@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaterni
 use super::CompareError;
 
 /// A pair's spread across its longest line must be this fraction of the spread along it.
-const LEAST_SPREAD: f64 = 1e-3;
+const MIN_SPREAD: f64 = 1e-3;
 
 /// A rigid motion fitted to pairs of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub fn rigid_from_pairs(pairs: &[(Point3<f64>, Point3<f64>)]) -> Result<RigidFit
     for spread in spreads {
         let mut variances = spread.symmetric_eigenvalues();
         variances.as_mut_slice().sort_by(f64::total_cmp);
-        if variances[1] <= LEAST_SPREAD.powi(2) * variances[2] {
+        if variances[1] <= MIN_SPREAD.powi(2) * variances[2] {
             return Err(on_a_line);
         }
     }

@@ -19,7 +19,7 @@ const REACH: usize = 2;
 #[derive(Clone, Copy)]
 struct Node {
     point: Point3<f64>,
-    /// The pixel it stands on or, beyond the mask's edge, the nearest one.
+    /// The pixel it lies on or, beyond the mask's edge, the nearest one.
     pixel: usize,
     island: u32,
 }

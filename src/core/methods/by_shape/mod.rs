@@ -17,6 +17,7 @@ use thiserror::Error;
 
 use crate::light::radiosity::{FormFactorOptions, FormFactors, RadiosityError, form_factors};
 use crate::light::scene::{self, SceneError};
+use crate::options::{OptionError, check_range};
 use crate::stereo::normals::{DirectLight, Lamp};
 use crate::stereo::shape::{Shape, ShapeError, ShapeOptions, recover_shape};
 use crate::{Camera, Mask, Plane, Portion, Watch};
@@ -33,7 +34,7 @@ const POINTS_PER_PATCH_SIDE: usize = 2;
 
 /// How to iterate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NayarOptions {
+pub struct ByShapeOptions {
     /// About how many patches the surface is cut into. Time and memory grow with its square.
     pub patches: usize,
     /// Iterations after which to stop.
@@ -44,42 +45,30 @@ pub struct NayarOptions {
     pub form_factors: FormFactorOptions,
 }
 
-impl Default for NayarOptions {
+impl Default for ByShapeOptions {
     fn default() -> Self {
         Self { patches: 1000, max_iterations: 10, smallest_change_deg: 0.1, form_factors: FormFactorOptions::default() }
     }
 }
 
-impl NayarOptions {
+impl ByShapeOptions {
     /// Whether every option is in its range.
-    pub fn check(&self) -> Result<(), NayarError> {
-        let refuse = |name, value, expected| Err(NayarError::Option { name, value, expected });
-        if !(16..=20_000).contains(&self.patches) {
-            return refuse("patches", self.patches as f64, "from 16 to 20000");
-        }
-        if self.max_iterations == 0 {
-            return refuse("max_iterations", 0.0, "at least 1");
-        }
-        if !(self.smallest_change_deg > 0.0 && self.smallest_change_deg < 90.0) {
-            return refuse("smallest_change_deg", self.smallest_change_deg, "above 0 and below 90");
-        }
-        self.form_factors.check().map_err(NayarError::from)
+    pub fn check(&self) -> Result<(), ByShapeError> {
+        let (patches, change_deg) = (self.patches, self.smallest_change_deg);
+        check_range("patches", patches as f64, (16..=20_000).contains(&patches), "from 16 to 20000")?;
+        check_range("max_iterations", self.max_iterations as f64, self.max_iterations >= 1, "at least 1")?;
+        let in_range = change_deg > 0.0 && change_deg < 90.0;
+        check_range("smallest_change_deg", change_deg, in_range, "above 0 and below 90")?;
+        self.form_factors.check().map_err(ByShapeError::from)
     }
 }
 
 /// Why the light could not be taken apart.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum NayarError {
-    /// An option is out of its range.
-    #[error("{name} is {value}; it must be {expected}")]
-    Option {
-        /// The option.
-        name: &'static str,
-        /// What it was set to.
-        value: f64,
-        /// What it may be.
-        expected: &'static str,
-    },
+pub enum ByShapeError {
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// No scale for the albedo.
     #[error("the light of a white facet is {value}; it must be a positive number")]
     WhiteLight {
@@ -101,24 +90,24 @@ pub enum NayarError {
     /// A lamp that cannot be simulated.
     #[error(transparent)]
     Scene(SceneError),
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled")]
     Cancelled,
 }
 
-impl From<ShapeError> for NayarError {
+impl From<ShapeError> for ByShapeError {
     fn from(error: ShapeError) -> Self {
         if error.is_cancelled() { Self::Cancelled } else { Self::Shape(error) }
     }
 }
 
-impl From<RadiosityError> for NayarError {
+impl From<RadiosityError> for ByShapeError {
     fn from(error: RadiosityError) -> Self {
         if error == RadiosityError::Cancelled { Self::Cancelled } else { Self::Radiosity(error) }
     }
 }
 
-impl From<SceneError> for NayarError {
+impl From<SceneError> for ByShapeError {
     fn from(error: SceneError) -> Self {
         if error == SceneError::Cancelled { Self::Cancelled } else { Self::Scene(error) }
     }
@@ -139,18 +128,18 @@ pub struct Photographed<'a> {
 
 /// The surface, and the light that it was found from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Nayar {
+pub struct ByShape {
     /// The surface. Its albedo is in linear light, as photometric stereo gives it; over `white_light` it is absolute.
     pub shape: Shape,
     /// For each lamp, the direct light; zero where there is no surface.
     pub direct: Vec<Plane>,
     /// How it went.
-    pub report: NayarReport,
+    pub report: ByShapeReport,
 }
 
 /// One shape on the way: the pseudo shape is number 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NayarStep {
+pub struct ByShapeStep {
     /// Iterations done.
     pub iteration: usize,
     /// Mean angle between the normals of this shape and of the one before, in degrees; zero for the pseudo shape.
@@ -178,7 +167,7 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// For people.
+    /// In words.
     pub fn words(self) -> &'static str {
         match self {
             Self::Converged => "converged",
@@ -190,9 +179,9 @@ impl Ending {
 
 /// How the method went.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NayarReport {
+pub struct ByShapeReport {
     /// The pseudo shape, then a shape for each iteration.
-    pub steps: Vec<NayarStep>,
+    pub steps: Vec<ByShapeStep>,
     /// The iteration whose shape is the result: the one that leaves the least of the photos unexplained. Where patches are
     /// too coarse or the surface too steep for them, later iterations take away too much light.
     pub chosen: usize,
@@ -210,18 +199,18 @@ pub struct NayarReport {
 /// is known, the pseudo shape first.
 ///
 /// # Errors
-/// `NayarError`: options or scale out of range, no surface, no normals or depth, or cancelled.
-pub fn nayar(
+/// `ByShapeError`: options or scale out of range, no surface, no normals or depth, or cancelled.
+pub fn separate_by_shape(
     photographed: &Photographed,
     pseudo_shape: &Shape,
-    options: &NayarOptions,
+    options: &ByShapeOptions,
     shape_options: &ShapeOptions,
     watch: &dyn Watch,
-    on_step: &mut dyn FnMut(&NayarStep, &Shape),
-) -> Result<Nayar, NayarError> {
+    on_step: &mut dyn FnMut(&ByShapeStep, &Shape),
+) -> Result<ByShape, ByShapeError> {
     options.check()?;
     if !(photographed.white_light > 0.0 && photographed.white_light.is_finite()) {
-        return Err(NayarError::WhiteLight { value: photographed.white_light });
+        return Err(ByShapeError::WhiteLight { value: photographed.white_light });
     }
     let part = |from: f32, to: f32| {
         let whole = (options.max_iterations + 1) as f32;
@@ -256,15 +245,15 @@ pub fn nayar(
     }
     let (patches, patch_px) = (now.factors.patches().len(), now.facets.step_px());
     let Some((shape, direct, chosen)) = best else {
-        return Err(NayarError::NoSurface { pixels: now.shape.depth.report.pixels });
+        return Err(ByShapeError::NoSurface { pixels: now.shape.depth.report.pixels });
     };
     watch.progress(1.0);
     let islands = shape.depth.report.islands;
-    Ok(Nayar { shape, direct, report: NayarReport { steps, chosen, ending, patches, patch_px, islands } })
+    Ok(ByShape { shape, direct, report: ByShapeReport { steps, chosen, ending, patches, patch_px, islands } })
 }
 
 /// Whether the last two iterations each turned the normals clearly further than the one before.
-fn grows_twice(steps: &[NayarStep]) -> bool {
+fn grows_twice(steps: &[ByShapeStep]) -> bool {
     match steps {
         [.., a, b, c] => {
             a.iteration > 0 && b.change_deg > GROWTH * a.change_deg && c.change_deg > GROWTH * b.change_deg
@@ -278,7 +267,7 @@ fn shape_of(
     direct: &[Plane],
     options: &ShapeOptions,
     watch: &dyn Watch,
-) -> Result<Shape, NayarError> {
+) -> Result<Shape, ByShapeError> {
     let lights: Vec<_> =
         photographed.lights.iter().zip(direct).map(|(light, direct)| DirectLight { direct, ..*light }).collect();
     Ok(recover_shape(&lights, photographed.mask, photographed.camera, options, watch)?)
@@ -301,11 +290,11 @@ impl Simulated {
     fn new(
         photographed: &Photographed,
         shape: Shape,
-        options: &NayarOptions,
+        options: &ByShapeOptions,
         watch: &dyn Watch,
-    ) -> Result<Self, NayarError> {
+    ) -> Result<Self, ByShapeError> {
         let facets = Facets::new(&shape, photographed.camera, options.patches)
-            .ok_or(NayarError::NoSurface { pixels: shape.depth.report.pixels })?;
+            .ok_or(ByShapeError::NoSurface { pixels: shape.depth.report.pixels })?;
         let patches = facets.patches()?;
         // Form factors that are not kept are computed again for the light.
         let made = if options.form_factors.stores(patches.len()) { 1.0 } else { 0.5 };
@@ -317,10 +306,10 @@ impl Simulated {
         Ok(Self { shape, facets, factors, arriving, albedo, clamped_pixels, residual })
     }
 
-    fn step(&self, iteration: usize, change_deg: f64, indirect_fraction: f64) -> NayarStep {
+    fn step(&self, iteration: usize, change_deg: f64, indirect_fraction: f64) -> ByShapeStep {
         let solved = self.shape.report.normals.solved_pixels.max(1) as f64;
         let albedo: f64 = self.albedo.data().par_iter().map(|&albedo| f64::from(albedo)).sum();
-        NayarStep {
+        ByShapeStep {
             iteration,
             change_deg,
             mean_albedo: albedo / solved,
@@ -332,14 +321,14 @@ impl Simulated {
 
     /// For each lamp, the photographed light less what arrives from the other patches and is reflected: `L - rho F L`.
     /// And the part of the light that this takes away.
-    fn corrected(&self, photographed: &Photographed, watch: &dyn Watch) -> Result<(Vec<Plane>, f64), NayarError> {
+    fn corrected(&self, photographed: &Photographed, watch: &dyn Watch) -> Result<(Vec<Plane>, f64), ByShapeError> {
         let fields = self.facets.fields(self.factors.patches(), &self.arriving);
         let (width, height) = self.albedo.size();
         let (mut taken, mut whole) = (0.0, 0.0);
         let mut all = Vec::with_capacity(photographed.lights.len());
         for (l, light) in photographed.lights.iter().enumerate() {
             if watch.cancelled() {
-                return Err(NayarError::Cancelled);
+                return Err(ByShapeError::Cancelled);
             }
             let mut direct = Plane::filled(width, height, 0.0);
             let row = |(y, row): (usize, &mut [f32])| {
@@ -384,7 +373,7 @@ fn residual(
     albedo: &[f64],
     light: &[Vec<f64>],
     arriving: &[Vec<f64>],
-) -> Result<f64, NayarError> {
+) -> Result<f64, ByShapeError> {
     let lamps: Vec<_> = photographed.lights.iter().map(as_simulated).collect();
     let direct = scene::irradiances(factors.patches(), &lamps, POINTS_PER_PATCH_SIDE)?;
     let (mut squares, mut whole) = (0.0, 0.0);

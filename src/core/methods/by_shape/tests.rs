@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::*;
 use crate::light::radiosity::{BounceOptions, Patches, bounces};
 use crate::light::scene::{RenderOptions, Rendering, Shape as Scene, directions_on_ring, framed, render};
-use crate::{NormalMap, Unwatched};
+use crate::{Marks, NormalMap, Unwatched};
 
 const ALBEDO: f64 = 0.75;
 const WHITE_LIGHT: f64 = 0.6;
@@ -16,7 +16,7 @@ struct Staged {
     camera: Camera,
     directions: Vec<Unit<Vector3<f64>>>,
     rendering: Rendering,
-    marks: Vec<u8>,
+    marks: Marks,
     /// All bounces, by lamp, in linear light.
     light: Vec<Plane>,
 }
@@ -36,7 +36,7 @@ impl Staged {
         let options = RenderOptions { bounces, samples_per_pixel_side: 2, ..Default::default() };
         let (rendering, _) = render(&factors, &lamps, &camera, &options, &Unwatched).unwrap();
         let light = rendering.lights.iter().map(|lit| scaled(&lit.all[0])).collect();
-        Self { camera, directions, marks: vec![0; SIZE_PX * SIZE_PX], rendering, light }
+        Self { camera, directions, marks: Marks::filled(SIZE_PX, SIZE_PX, 0), rendering, light }
     }
 
     fn lights<'a>(&'a self, light: &'a [Plane]) -> Vec<DirectLight<'a>> {
@@ -56,7 +56,7 @@ impl Staged {
     }
 
     /// Normal errors of every shape on the way, and the outcome.
-    fn solve(&self, options: &NayarOptions) -> (Vec<f64>, Nayar) {
+    fn solve(&self, options: &ByShapeOptions) -> (Vec<f64>, ByShape) {
         let lights = self.lights(&self.light);
         let photographed = Photographed {
             lights: &lights,
@@ -65,10 +65,11 @@ impl Staged {
             white_light: WHITE_LIGHT,
         };
         let mut errors_deg = Vec::new();
-        let mut on_step = |_: &NayarStep, shape: &Shape| errors_deg.push(self.error_deg(&shape.normals.map));
+        let mut on_step = |_: &ByShapeStep, shape: &Shape| errors_deg.push(self.error_deg(&shape.normals.map));
         let pseudo = self.shape(&self.light);
         let shape_options = ShapeOptions::default();
-        let found = nayar(&photographed, &pseudo, options, &shape_options, &Unwatched, &mut on_step).unwrap();
+        let found =
+            separate_by_shape(&photographed, &pseudo, options, &shape_options, &Unwatched, &mut on_step).unwrap();
         (errors_deg, found)
     }
 
@@ -81,8 +82,8 @@ fn scaled(plane: &Plane) -> Plane {
     Plane::from_fn(plane.width(), plane.height(), |x, y| plane.at(x, y) * WHITE_LIGHT as f32)
 }
 
-fn few_patches() -> NayarOptions {
-    NayarOptions { patches: 300, max_iterations: 5, ..NayarOptions::default() }
+fn few_patches() -> ByShapeOptions {
+    ByShapeOptions { patches: 300, max_iterations: 5, ..ByShapeOptions::default() }
 }
 
 #[test]
@@ -101,7 +102,7 @@ fn a_groove_grows_better_with_each_of_the_first_iterations() {
 #[test]
 fn a_corner_grows_better_with_each_of_the_first_iterations() {
     let staged = Staged::new(&Scene::Corner { wall_mm: 40.0, roll_deg: 20.0 });
-    let (errors_deg, _) = staged.solve(&NayarOptions { max_iterations: 3, ..few_patches() });
+    let (errors_deg, _) = staged.solve(&ByShapeOptions { max_iterations: 3, ..few_patches() });
     assert!(errors_deg[1..4].windows(2).all(|pair| pair[1] < pair[0]) && errors_deg[1] < errors_deg[0]);
     assert!(errors_deg.last().unwrap() < &(0.4 * errors_deg[0]), "{errors_deg:?}");
 }
@@ -184,13 +185,13 @@ fn what_cannot_be_is_refused_in_words() {
     let photographed =
         Photographed { lights: &lights, mask: &staged.rendering.mask, camera: &staged.camera, white_light: 0.0 };
     let pseudo = staged.shape(&staged.light);
-    let run = |photographed: &Photographed, options: NayarOptions, watch: &dyn Watch| {
-        nayar(photographed, &pseudo, &options, &ShapeOptions::default(), watch, &mut |_, _| {}).unwrap_err()
+    let run = |photographed: &Photographed, options: ByShapeOptions, watch: &dyn Watch| {
+        separate_by_shape(photographed, &pseudo, &options, &ShapeOptions::default(), watch, &mut |_, _| {}).unwrap_err()
     };
     let error = run(&photographed, few_patches(), &Unwatched);
     assert_eq!(error.to_string(), "the light of a white facet is 0; it must be a positive number");
     let photographed = Photographed { white_light: WHITE_LIGHT, ..photographed };
-    let error = run(&photographed, NayarOptions { patches: 3, ..few_patches() }, &Unwatched);
+    let error = run(&photographed, ByShapeOptions { patches: 3, ..few_patches() }, &Unwatched);
     assert_eq!(error.to_string(), "patches is 3; it must be from 16 to 20000");
 
     struct Impatient;
@@ -200,5 +201,5 @@ fn what_cannot_be_is_refused_in_words() {
             true
         }
     }
-    assert_eq!(run(&photographed, few_patches(), &Impatient), NayarError::Cancelled);
+    assert_eq!(run(&photographed, few_patches(), &Impatient), ByShapeError::Cancelled);
 }

@@ -16,6 +16,7 @@ mod tests;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use crate::options::{OptionError, check_range};
 use crate::{Camera, Mask, NormalMap, Plane, Projection, Watch};
 use multigrid::Hierarchy;
 use steps::{Region, Steps};
@@ -43,33 +44,19 @@ impl DepthOptions {
     /// # Errors
     /// `DepthError::Option` names the first that is not.
     pub fn check(&self) -> Result<(), DepthError> {
-        let refuse = |name, value, expected| Err(DepthError::Option { name, value, expected });
-        if !(self.tolerance >= 1e-8 && self.tolerance < 1.0) {
-            return refuse("tolerance", self.tolerance, "from 1e-8 to below 1");
-        }
-        if self.max_iterations == 0 {
-            return refuse("max_iterations", 0.0, "at least 1");
-        }
-        if !(self.max_slope > 0.0 && self.max_slope.is_finite()) {
-            return refuse("max_slope", self.max_slope, "a positive number");
-        }
-        Ok(())
+        check_range("tolerance", self.tolerance, (1e-8..1.0).contains(&self.tolerance), "from 1e-8 to below 1")?;
+        check_range("max_iterations", self.max_iterations as f64, self.max_iterations >= 1, "at least 1")?;
+        let slope = self.max_slope;
+        Ok(check_range("max_slope", slope, slope > 0.0 && slope.is_finite(), "a positive number")?)
     }
 }
 
 /// Why there is no depth.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DepthError {
-    /// An option is out of its range.
-    #[error("{name} is {value}; it must be {expected}")]
-    Option {
-        /// The option.
-        name: &'static str,
-        /// What it was set to.
-        value: f64,
-        /// What it may be.
-        expected: &'static str,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// The camera's geometry cannot be.
     #[error("the camera's lengths must be positive numbers, not {projection:?}; correct [camera]")]
     Camera {
@@ -105,7 +92,7 @@ pub enum DepthError {
         /// Residual asked for.
         tolerance: f64,
     },
-    /// Nobody wants the result any more.
+    /// The watch cancelled.
     #[error("the integration was cancelled")]
     Cancelled,
 }

@@ -154,7 +154,7 @@ impl Steps {
 const NO_STEP: (f32, f32) = (0.0, 0.0);
 
 /// Slopes that count less than this beside the best are as good as missing, and would only slow the solver down.
-const LEAST_CONFIDENCE: f32 = 1e-6;
+const MIN_CONFIDENCE: f32 = 1e-6;
 
 /// How much a slope that is guessed from its neighbours counts beside theirs.
 const BRIDGE_CONFIDENCE: f32 = 0.1;
@@ -175,7 +175,7 @@ fn slope(normals: &NormalMap, (x, y): (usize, usize), (u, v): (f32, f32), confid
     let toward_camera = normal.z - u * normal.x - v * normal.y;
     let least = sideways / max_slope as f32;
     let facing = toward_camera.max(least);
-    if facing <= 0.0 || !(LEAST_CONFIDENCE..=1.0).contains(&confidence) {
+    if facing <= 0.0 || !(MIN_CONFIDENCE..=1.0).contains(&confidence) {
         return Slope::default();
     }
     let clamped = toward_camera < least;

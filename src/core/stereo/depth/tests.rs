@@ -5,6 +5,7 @@ use proptest::test_runner::RngSeed;
 
 use super::*;
 use crate::Unwatched;
+use crate::options::OptionError;
 
 fn orthographic(size: (usize, usize)) -> Camera {
     Camera { projection: Projection::Orthographic { mm_per_pixel: None }, size }
@@ -62,7 +63,7 @@ fn tight() -> DepthOptions {
     DepthOptions { tolerance: 1e-8, ..DepthOptions::default() }
 }
 
-/// Masks of every kind that a person may draw.
+/// Masks of every kind that the user may draw.
 fn masks() -> Vec<Mask> {
     let spiral = |x: i32, y: i32| {
         let ring = (x - 20).abs().max((y - 20).abs());
@@ -307,11 +308,11 @@ fn what_cannot_be_integrated_is_refused() {
     let hasty = DepthOptions { max_iterations: 1, tolerance: 1e-8, ..options };
     assert!(matches!(solve(&normals, &full, &camera, hasty), Err(DepthError::NotConverged { iterations: 1, .. })));
     let wrong = DepthOptions { tolerance: f64::NAN, ..options };
-    assert!(matches!(wrong.check(), Err(DepthError::Option { name: "tolerance", .. })));
+    assert!(matches!(wrong.check(), Err(DepthError::Option(OptionError { option: "tolerance", .. }))));
 }
 
 #[test]
-fn nobody_waits_for_a_cancelled_job() {
+fn a_cancelled_job_ends_at_once() {
     struct Impatient;
     impl Watch for Impatient {
         fn progress(&self, _fraction: f32) {}

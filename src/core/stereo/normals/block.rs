@@ -50,7 +50,7 @@ pub(super) fn run_job(mut target: Target, stage: &Stage, kernel: Option<&Kernel>
         let block = start..(start + BLOCK).min(end);
         let pixels = target.first_pixel + block.start..target.first_pixel + block.end;
         let good = all_true(&stage.mask.data()[pixels.clone()])
-            && stage.lights.iter().all(|light| all_zero(&light.marks[pixels.clone()]));
+            && stage.lights.iter().all(|light| all_zero(&light.marks.data()[pixels.clone()]));
         match kernel {
             Some(kernel) if good => good_block(&mut target, stage, kernel, block, &mut tally),
             _ => block.for_each(|at| mixed_pixel(&mut target, stage, at, &mut tally)),

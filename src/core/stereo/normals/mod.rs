@@ -13,8 +13,9 @@ use thiserror::Error;
 
 use crate::block::JOB;
 use crate::image::photo::{CLIPPED, DARK};
+use crate::options::{OptionError, check_range};
 use crate::separate::{OUTSIDE, UNSOLVED};
-use crate::{Camera, Mask, NormalMap, Plane, Watch};
+use crate::{Camera, Marks, Mask, NormalMap, Plane, Watch};
 
 /// Mark of a pixel whose normal comes from some of the lights: others were in shadow, or did not fit.
 pub const SHADOWED: u8 = 16;
@@ -22,7 +23,7 @@ pub const SHADOWED: u8 = 16;
 pub const SHADOW_USED: u8 = 32;
 
 /// Lamps whose directions span less than this (smallest over largest singular value) lie in a plane.
-const LEAST_SPREAD: f64 = 0.01;
+const MIN_SPREAD: f64 = 0.01;
 
 /// How to find normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,11 +44,11 @@ impl Default for NormalsOptions {
 impl NormalsOptions {
     /// Whether the fractions are fractions.
     pub fn check(&self) -> Result<(), NormalsError> {
-        let fractions = [("shadow fraction", self.shadow_fraction), ("outlier fraction", self.outlier_fraction)];
-        match fractions.into_iter().find(|(_, value)| !(0.0..1.0).contains(value)) {
-            Some((what, value)) => Err(NormalsError::Fraction { what, value }),
-            None => Ok(()),
+        for (option, value) in [("shadow_fraction", self.shadow_fraction), ("outlier_fraction", self.outlier_fraction)]
+        {
+            check_range(option, value, (0.0..1.0).contains(&value), "from 0 to below 1")?;
         }
+        Ok(())
     }
 }
 
@@ -62,7 +63,7 @@ pub enum NormalsError {
     },
     /// The lamps' directions do not span space.
     #[error(
-        "the {lights} lights lie in a plane (spread {spread:.4}, at least {LEAST_SPREAD} is needed): move one lamp out of it"
+        "the {lights} lights lie in a plane (spread {spread:.4}, at least {MIN_SPREAD} is needed): move one lamp out of it"
     )]
     LightsInPlane {
         /// How many there are.
@@ -76,14 +77,9 @@ pub enum NormalsError {
         /// Which light, from 0.
         light: usize,
     },
-    /// An option out of range.
-    #[error("{what} is {value}: give a number from 0 to below 1")]
-    Fraction {
-        /// Which option.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Planes of different sizes.
     #[error("a plane is {found:?} pixels, the mask {expected:?}: all must have one size")]
     Size {
@@ -95,7 +91,7 @@ pub enum NormalsError {
     /// Near lamps without a scale.
     #[error("lamps with position_mm need the camera's scale: give mm_per_pixel or a perspective camera")]
     NoScale,
-    /// Somebody cancelled.
+    /// The watch cancelled.
     #[error("cancelled")]
     Cancelled,
 }
@@ -131,7 +127,7 @@ pub struct DirectLight<'a> {
     /// Standard deviation of L_1, where known.
     pub noise: Option<&'a Plane>,
     /// Marks of the separation; pixels with `UNSOLVED` are left out.
-    pub marks: &'a [u8],
+    pub marks: &'a Marks,
     /// Where the lamp is.
     pub lamp: Lamp,
     /// Strength at the frame's origin relative to the first light.
@@ -157,7 +153,7 @@ pub struct Normals {
     /// Predicted noise of the normal (root mean square angle) in degrees; zero where unknown.
     pub noise_deg: Plane,
     /// `UNSOLVED`, `OUTSIDE`, `SHADOWED`, `SHADOW_USED`, and why lights are missing (`CLIPPED`, `DARK`).
-    pub marks: Vec<u8>,
+    pub marks: Marks,
 }
 
 impl Normals {
@@ -165,18 +161,16 @@ impl Normals {
     pub fn empty(width: usize, height: usize) -> Self {
         let zero = Plane::filled(width, height, 0.0);
         let map = NormalMap::empty(width, height);
-        Self { map, albedo: zero.clone(), noise_deg: zero, marks: vec![OUTSIDE; width * height] }
+        Self { map, albedo: zero.clone(), noise_deg: zero, marks: Marks::filled(width, height, OUTSIDE) }
     }
 
     /// The pixels that have a normal.
     pub fn solved(&self) -> Mask {
-        let (width, height) = self.map.size();
-        let solved = self.marks.par_iter().map(|mark| mark & (UNSOLVED | OUTSIDE) == 0).collect();
-        Mask::from_vec(width, height, solved).unwrap_or_else(|| Mask::filled(width, height, false))
+        self.marks.map(|mark| mark & (UNSOLVED | OUTSIDE) == 0)
     }
 }
 
-/// What photometric stereo tells of itself. Means run over the solved pixels.
+/// What photometric stereo reports. Means run over the solved pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NormalsReport {
     /// Lights given.
@@ -234,7 +228,7 @@ pub fn normals_into(
     let [x, y, z] = map.planes_mut().map(|plane| plane.data_mut().par_chunks_mut(JOB));
     let albedo = albedo.data_mut().par_chunks_mut(JOB);
     let noise_deg = noise_deg.data_mut().par_chunks_mut(JOB);
-    let tally = (x, y, z, albedo, noise_deg, marks.par_chunks_mut(JOB))
+    let tally = (x, y, z, albedo, noise_deg, marks.data_mut().par_chunks_mut(JOB))
         .into_par_iter()
         .enumerate()
         .map(|(job, (x, y, z, albedo, noise_deg, marks))| {
@@ -307,10 +301,9 @@ fn check_lights(lights: &[DirectLight], mask: &Mask, surface: &Surface) -> Resul
         return Err(NormalsError::NoScale);
     }
     let planes = lights.iter().flat_map(|light| [Some(light.direct), light.noise]).chain([surface.depth_mm]);
-    let marks = lights.iter().all(|light| light.marks.len() == mask.data().len());
-    match planes.flatten().find(|plane| plane.size() != mask.size()) {
-        Some(plane) => Err(NormalsError::Size { found: plane.size(), expected: mask.size() }),
-        None if !marks => Err(NormalsError::Size { found: (0, 0), expected: mask.size() }),
+    let sizes = planes.flatten().map(Plane::size).chain(lights.iter().map(|light| light.marks.size()));
+    match sizes.into_iter().find(|&found| found != mask.size()) {
+        Some(found) => Err(NormalsError::Size { found, expected: mask.size() }),
         None => Ok(()),
     }
 }
@@ -321,7 +314,7 @@ fn spread(lights: &[DirectLight]) -> Result<f64, NormalsError> {
         lights.iter().map(|light| light.lamp.irradiance_vector(Point3::origin()).normalize()).collect();
     let singular = DMatrix::from_fn(lights.len(), 3, |l, axis| directions[l][axis]).singular_values();
     let spread = singular.min() / singular.max();
-    if spread > LEAST_SPREAD { Ok(spread) } else { Err(NormalsError::LightsInPlane { lights: lights.len(), spread }) }
+    if spread > MIN_SPREAD { Ok(spread) } else { Err(NormalsError::LightsInPlane { lights: lights.len(), spread }) }
 }
 
 /// Why a light is missing, of all its marks.

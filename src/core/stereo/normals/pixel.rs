@@ -72,8 +72,8 @@ impl<'a> Stage<'a> {
         let mut marks = 0;
         let mut samples = Vec::with_capacity(self.lights.len());
         for (l, light) in self.lights.iter().enumerate() {
-            marks |= light.marks[pixel] & REASONS;
-            if light.marks[pixel] & UNSOLVED == 0 {
+            marks |= light.marks.data()[pixel] & REASONS;
+            if light.marks.data()[pixel] & UNSOLVED == 0 {
                 let sigma = light.noise.map_or(0.0, |noise| f64::from(noise.data()[pixel]));
                 let light = f64::from(light.direct.data()[pixel]);
                 samples.push(Sample { toward: self.toward(l, point_mm), light, sigma });
@@ -107,7 +107,7 @@ impl<'a> Stage<'a> {
     }
 
     /// The light that misses the fit the most, if by too much. With four lights all misfits are one number, so that
-    /// nobody can say which light is wrong.
+    /// it is not known which light is wrong.
     fn worst_outlier(&self, samples: &[Sample], scaled: &Vector3<f64>) -> Option<usize> {
         if samples.len() < 5 {
             return None;
@@ -136,10 +136,10 @@ fn fit(samples: &[Sample]) -> Option<Fit> {
     let right: Vector3<f64> = samples.iter().map(|sample| sample.toward * sample.light).sum();
     let inverse = matrix.try_inverse()?;
     // The norms bound the condition number without an eigenvalue; only doubtful cases need the exact one.
-    let doubtful = matrix.norm() * inverse.norm() > super::LEAST_SPREAD.powi(-2);
+    let doubtful = matrix.norm() * inverse.norm() > super::MIN_SPREAD.powi(-2);
     if doubtful {
         let eigenvalues = SymmetricEigen::new(matrix).eigenvalues;
-        if eigenvalues.min() < super::LEAST_SPREAD.powi(2) * eigenvalues.max() {
+        if eigenvalues.min() < super::MIN_SPREAD.powi(2) * eigenvalues.max() {
             return None;
         }
     }

@@ -42,12 +42,7 @@ fn render(truth: &NormalMap, lamps: &[(Lamp, f64)], point_mm: impl Fn(usize, usi
     lamps.iter().map(light).collect()
 }
 
-fn solve(
-    planes: &[Plane],
-    lamps: &[(Lamp, f64)],
-    marks: &[Vec<u8>],
-    noise: Option<&Plane>,
-) -> (Normals, NormalsReport) {
+fn solve(planes: &[Plane], lamps: &[(Lamp, f64)], marks: &[Marks], noise: Option<&Plane>) -> (Normals, NormalsReport) {
     let lights: Vec<_> = planes
         .iter()
         .zip(lamps)
@@ -59,8 +54,8 @@ fn solve(
     normals(&lights, &mask, surface, &NormalsOptions::default(), &Unwatched).unwrap()
 }
 
-fn unmarked(lights: usize) -> Vec<Vec<u8>> {
-    vec![vec![0; SIZE.0 * SIZE.1]; lights]
+fn unmarked(lights: usize) -> Vec<Marks> {
+    vec![Marks::filled(SIZE.0, SIZE.1, 0); lights]
 }
 
 fn error(normals: &Normals, truth: &NormalMap) -> AngularError {
@@ -104,7 +99,7 @@ fn a_shadow_under_three_lamps_is_used_and_marked() {
     let mut planes = render(&truth, &lamps, |_, _| Point3::origin());
     planes[0].set(10, 10, 0.0);
     let (normals, report) = solve(&planes, &lamps, &unmarked(3), None);
-    assert_eq!((normals.marks[10 * SIZE.0 + 10], report.shadow_used_pixels), (SHADOW_USED, 1));
+    assert_eq!((normals.marks.data()[10 * SIZE.0 + 10], report.shadow_used_pixels), (SHADOW_USED, 1));
 }
 
 #[test]
@@ -115,14 +110,14 @@ fn unsolved_lights_are_never_used() {
     let mut marks = unmarked(4);
     let bad = 33 * SIZE.0 + 50;
     planes[2].data_mut()[bad] = 50.0;
-    marks[2][bad] = UNSOLVED | CLIPPED;
+    marks[2].data_mut()[bad] = UNSOLVED | CLIPPED;
     let (normals, _) = solve(&planes, &lamps, &marks, None);
     assert!(error(&normals, &truth).mean_deg < 0.01);
-    assert_eq!(normals.marks[bad], CLIPPED);
+    assert_eq!(normals.marks.data()[bad], CLIPPED);
 
-    marks[0][bad] = UNSOLVED | DARK;
+    marks[0].data_mut()[bad] = UNSOLVED | DARK;
     let (normals, report) = solve(&planes, &lamps, &marks, None);
-    assert_eq!(normals.marks[bad], UNSOLVED | CLIPPED | DARK);
+    assert_eq!(normals.marks.data()[bad], UNSOLVED | CLIPPED | DARK);
     assert_eq!((error(&normals, &truth).pixels, report.unsolved_pixels), (SIZE.0 * SIZE.1 - 1, 1));
 }
 
@@ -168,7 +163,7 @@ fn too_few_lights_or_lights_in_a_plane_are_refused() {
     let mask = Mask::filled(SIZE.0, SIZE.1, true);
     let refused = |lamps: &[(Lamp, f64)]| {
         let planes = render(&truth, lamps, |_, _| Point3::origin());
-        let marks = vec![0; SIZE.0 * SIZE.1];
+        let marks = Marks::filled(SIZE.0, SIZE.1, 0);
         let light = |(direct, &(lamp, intensity))| DirectLight { direct, noise: None, marks: &marks, lamp, intensity };
         let lights: Vec<_> = planes.iter().zip(lamps).map(light).collect();
         let surface = Surface { camera: &camera(None), depth_mm: None };

@@ -1,10 +1,10 @@
 //! What the capture sets in ../shared/data hold, as far as calibration needs it.
 
 use firstbounce_core::image::photo::{CLIPPED, DARK};
-use firstbounce_core::{Photo, Plane};
+use firstbounce_core::{Marks, Photo, Plane};
 use image::DynamicImage;
 use nalgebra::Vector3;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A rendered set: one file a light and colour, or one RGB file a light.
 pub struct Set {
@@ -68,18 +68,6 @@ pub const SETS: [Set; 4] = [
         lamp_distance_radii: Some(1500.0 / 35.294),
     },
 ];
-
-/// Where the shared data lies; says that the test skips where it is not.
-pub fn shared_data() -> Option<PathBuf> {
-    // Cargo runs tests in the package's folder, two below the workspace.
-    let package = std::env::current_dir().ok()?;
-    let data = package.ancestors().nth(3)?.join("shared/data");
-    if !data.is_dir() {
-        println!("skipped: {} is not there", data.display());
-        return None;
-    }
-    Some(data)
-}
 
 /// What a set was rendered with, by light in the set's order.
 pub struct Truth {
@@ -163,5 +151,6 @@ pub fn cat_directions(data: &Path) -> Vec<Vector3<f64>> {
 
 fn photo((width, height): (usize, usize), linear: Vec<f32>, bad: impl Iterator<Item = (bool, bool)>) -> Photo {
     let marks = bad.map(|(clipped, dark)| u8::from(clipped) * CLIPPED + u8::from(dark) * DARK).collect();
+    let marks = Marks::from_vec(width, height, marks).unwrap();
     Photo { linear: Plane::from_vec(width, height, linear).unwrap(), marks }
 }

@@ -106,7 +106,7 @@ fn pictures(loaded: &Loaded) -> Batch {
     for shot in &loaded.shots {
         if let Ok(photo) = &shot.photo {
             batch.put_ranged(PlaneName::Photo(shot.name.clone()), &photo.linear, shot.range);
-            batch.put_marks(MarksName::Photo(shot.name.clone()), photo.linear.size(), &photo.marks);
+            batch.put_marks(MarksName::Photo(shot.name.clone()), &photo.marks);
         }
     }
     if let Ok(object) = &loaded.object {

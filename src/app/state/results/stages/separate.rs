@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use firstbounce_capture::pipeline::{Separated, separate_lights};
-use firstbounce_core::Plane;
 
 use super::{Calibration, Loaded, Step, scene, values};
 use crate::app::state::document::Document;
@@ -88,8 +87,7 @@ fn pictures<'a>(lights: impl Iterator<Item = &'a str>, separated: &Separated) ->
         if let Some(residual) = &separation.residual {
             batch.put(PlaneName::Residual(light()), residual);
         }
-        let size = separation.bounces.first().map_or((0, 0), Plane::size);
-        batch.put_marks(MarksName::Separation(light()), size, &separation.marks);
+        batch.put_marks(MarksName::Separation(light()), &separation.marks);
     }
     batch
 }

@@ -101,7 +101,7 @@ fn shapes(
     job: &Job,
 ) -> Result<Shapes, StageError> {
     let scene = scene(set, loaded, rig)?;
-    let direct = denoise_lights(&scene, separated, &options.indirect, job)?;
+    let direct = denoise_lights(&scene, separated, &options.denoise, job)?;
     let bounces = separated.reports.first().map_or(1, |report| report.bounces);
     let trust = judge(set, &loaded.levels, &rig.calibrated, &options.trust(bounces))?;
     let raw = raw_lights(&scene.object, job)?;

@@ -1,10 +1,10 @@
-//! Light that bounced more often than m times.
+//! Truncation: light that bounced more often than m times.
 //!
 //! An m-bounce fit charges it to L_1 .. L_m. In a spherical cap of area fraction f every bounce after the first is
 //! q = rho f times the one before (L = rho E + rho^2 f E_mean / (1 - rho f)), and so is the mean of the second over the mean
 //! of the first. Mean photos then go as N_c / alpha_c = L_1 beta_c / (1 - beta_c q): two colours are enough to find q, and q
-//! tells what any fit makes of the tail. Other shapes follow this law less exactly; on rendered corners, grooves and bowls
-//! it tells the mean error of bounce 1 to a factor of two or better.
+//! gives what any fit makes of the truncation. Other shapes follow this law less exactly; on rendered corners, grooves and bowls
+//! it gives the mean error of bounce 1 to a factor of two or better.
 
 use super::LightLevels;
 use crate::interval::Estimate;
@@ -54,7 +54,7 @@ fn golden_section(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f6
     (low + high) / 2.0
 }
 
-/// What a fit makes of the tail: the error of L_1 over the true L_1.
+/// What a fit makes of the truncation: the error of L_1 over the true L_1.
 pub(super) fn charge(system: &BounceSystem, alpha: &[f64], beta: &[f64], share: f64) -> f64 {
     let photo = |c: usize| alpha[c] * beta[c] / (1.0 - beta[c] * share);
     (0..beta.len()).map(|c| system.operator[(0, c)] * photo(c)).sum::<f64>() - 1.0

@@ -1,8 +1,34 @@
-//! The curve between light and what a file stores, both scaled to 0..1.
+//! Channels, and the curve between light and what a file stores, both scaled to 0..1.
+
+use std::fmt;
 
 use firstbounce_core::image::colour::{linear_from_srgb, srgb_from_linear};
 
-use super::model::Encoding;
+/// A channel of a picture file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Channel {
+    /// Red.
+    R,
+    /// Green.
+    G,
+    /// Blue.
+    B,
+    /// The mean of what the file has.
+    #[default]
+    Grey,
+}
+
+/// How light becomes stored values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Encoding {
+    /// Stored values are proportional to light.
+    #[default]
+    Linear,
+    /// The sRGB curve.
+    Srgb,
+    /// Stored = light ^ (1 / gamma).
+    Gamma(f64),
+}
 
 impl Encoding {
     /// Light from a stored value. Below 0 the linear toe of sRGB goes on, and a gamma curve is mirrored, so that noise
@@ -22,6 +48,24 @@ impl Encoding {
             Self::Srgb => srgb_from_linear(light),
             Self::Gamma(gamma) => light.abs().powf(1.0 / gamma as f32).copysign(light),
         }
+    }
+}
+
+impl Channel {
+    /// How a capture file and a message call it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::R => "r",
+            Self::G => "g",
+            Self::B => "b",
+            Self::Grey => "grey",
+        }
+    }
+}
+
+impl fmt::Display for Channel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.word())
     }
 }
 

@@ -1,38 +1,30 @@
 //! `firstbounce compare` on meshes whose true place is known, and on files that are none.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use std::f64::consts::TAU;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use firstbounce_capture::mesh_file::{write_obj, write_ply, write_stl};
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::LengthUnit;
+use firstbounce_testing::{Folder, bumps};
 use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use serde_json::Value;
+
+use crate::run::{Ran, firstbounce};
 
 const CELLS: u32 = 120;
 const PITCH_MM: f64 = 0.6;
 
 /// Bumps of several widths over 72 mm, as a height field that faces +z.
 fn relief() -> Mesh {
-    let side = CELLS + 1;
-    let positions = (0..side * side).map(|index| {
-        let [x, y] = [index % side, index / side].map(|k| (f64::from(k) - f64::from(CELLS) / 2.0) * PITCH_MM);
-        let z = 4.0 * (x / 9.0 + 0.3).sin() * (y / 11.0).cos() + 2.0 * (x / 4.1 - y / 5.3).sin() + 0.002 * x * (x + y);
-        Point3::new(x, y, z).cast()
-    });
-    let triangles = (0..CELLS * CELLS).flat_map(|cell| {
-        let corner = cell / CELLS * side + cell % CELLS;
-        [[corner, corner + 1, corner + side + 1], [corner, corner + side + 1, corner + side]]
-    });
+    let (positions, triangles) = firstbounce_testing::relief(CELLS, PITCH_MM, 0.0, bumps);
     Mesh {
-        positions: positions.collect(),
+        positions: positions.into_iter().map(Point3::from).collect(),
         normals: vec![],
         colours: vec![],
-        triangles: triangles.collect(),
+        triangles,
         unit: LengthUnit::Millimetre,
     }
 }
@@ -55,32 +47,18 @@ fn with_noise(mut mesh: Mesh, sigma_mm: f64) -> Mesh {
     mesh
 }
 
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn ply(&self, name: &str, mesh: &Mesh) -> PathBuf {
-        write_ply(&self.path(name), mesh, None).unwrap();
-        self.path(name)
-    }
+fn ply(folder: &Folder, name: &str, mesh: &Mesh) -> PathBuf {
+    write_ply(&folder.path(name), mesh, None).unwrap();
+    folder.path(name)
 }
 
-fn compare(a: &Path, b: &Path, options: &[&str]) -> Output {
-    let program = env!("CARGO_BIN_EXE_firstbounce");
-    Command::new(program).arg("compare").args([a, b]).args(options).output().unwrap()
+fn compare(a: &Path, b: &Path, options: &[&str]) -> Ran {
+    let meshes = ["compare".as_ref(), a.as_os_str(), b.as_os_str()];
+    firstbounce(Path::new("."), meshes.into_iter().chain(options.iter().map(OsStr::new)))
 }
 
 fn numbers(a: &Path, b: &Path, options: &[&str]) -> Value {
-    let output = compare(a, b, &[options, &["--json"]].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    compare(a, b, &[options, &["--json"]].concat()).json()
 }
 
 fn matrix(numbers: &Value) -> Matrix4<f64> {
@@ -97,18 +75,18 @@ fn left_over(mesh: &Mesh, made: &Isometry3<f64>, found: &Matrix4<f64>) -> (f64, 
 }
 
 /// One line on standard error with all of `parts`, nothing on standard output, exit code 1.
-fn refused(output: &Output, parts: &[&str]) {
-    let line = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{line}");
+fn refused(ran: &Ran, parts: &[&str]) {
+    let line = &ran.err;
+    assert_eq!(ran.code, 1, "{line}");
     assert_eq!(line.trim_end().lines().count(), 1, "{line}");
     assert!(parts.iter().all(|part| line.contains(part)), "{line}");
-    assert!(output.stdout.is_empty());
+    assert!(ran.out.is_empty());
 }
 
 #[test]
 fn a_moved_copy_comes_back() {
     let (folder, fixed, made) = (Folder::new(), relief(), ten_and_five());
-    let (a, b) = (folder.ply("a.ply", &fixed.clone().moved(&made)), folder.ply("b.ply", &fixed));
+    let (a, b) = (ply(&folder, "a.ply", &fixed.clone().moved(&made)), ply(&folder, "b.ply", &fixed));
     let found = numbers(&a, &b, &["--align"]);
     let (mm, degrees) = left_over(&fixed, &made, &matrix(&found));
     assert!(mm < 0.01 && degrees < 0.01, "{mm} mm, {degrees} degrees");
@@ -126,7 +104,7 @@ fn a_cut_and_noisy_copy_comes_back() {
     let mut copy = with_noise(fixed.clone(), 0.05);
     // 30 % of the width.
     copy.triangles.retain(|corners| corners.iter().all(|&corner| fixed.positions[corner as usize].x < 14.4));
-    let (a, b) = (folder.ply("a.ply", &copy.moved(&made)), folder.ply("b.ply", &fixed));
+    let (a, b) = (ply(&folder, "a.ply", &copy.moved(&made)), ply(&folder, "b.ply", &fixed));
     let (mm, degrees) = left_over(&fixed, &made, &matrix(&numbers(&a, &b, &["--align"])));
     assert!(mm < 0.05, "{mm} mm, {degrees} degrees");
 }
@@ -139,7 +117,7 @@ fn without_align_nothing_moves_and_the_shift_is_the_distance() {
         mesh.positions.iter_mut().for_each(|p| p.z = z);
         mesh
     };
-    let (a, b) = (folder.ply("a.ply", &flat(0.25)), folder.ply("b.ply", &flat(0.0)));
+    let (a, b) = (ply(&folder, "a.ply", &flat(0.25)), ply(&folder, "b.ply", &flat(0.0)));
     let found = numbers(&a, &b, &[]);
     assert!((found["mean_mm"].as_f64().unwrap() - 0.25).abs() < 1e-5);
     assert!((found["max_mm"].as_f64().unwrap() - 0.25).abs() < 1e-5);
@@ -161,7 +139,7 @@ fn units_of_both_files_can_differ() {
 #[test]
 fn the_heat_map_lies_on_the_reference_and_holds_the_distances() {
     let (folder, fixed, made) = (Folder::new(), relief(), ten_and_five());
-    let (a, b) = (folder.ply("a.ply", &fixed.clone().moved(&made)), folder.ply("b.ply", &fixed));
+    let (a, b) = (ply(&folder, "a.ply", &fixed.clone().moved(&made)), ply(&folder, "b.ply", &fixed));
     let map = folder.path("new/map.ply");
     let found = numbers(&a, &b, &["--align", "--heat-map", map.to_str().unwrap()]);
     let header = String::from_utf8_lossy(&fs::read(&map).unwrap()).into_owned();
@@ -175,36 +153,35 @@ fn the_heat_map_lies_on_the_reference_and_holds_the_distances() {
 #[test]
 fn a_heat_map_without_a_place_costs_no_number() {
     let (folder, fixed) = (Folder::new(), relief());
-    let b = folder.ply("b.ply", &fixed);
+    let b = ply(&folder, "b.ply", &fixed);
     // A file where its folder should be is told before anything is measured.
     let inside = b.join("map.ply");
     refused(&compare(&b, &b, &["--heat-map", inside.to_str().unwrap()]), &["b.ply"]);
     // A folder of its name is told after the numbers.
     let map = folder.path("map.ply");
     fs::create_dir(&map).unwrap();
-    let output = compare(&b, &b, &["--json", "--heat-map", map.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("map.ply"));
-    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let ran = compare(&b, &b, &["--json", "--heat-map", map.to_str().unwrap()]);
+    assert_eq!(ran.code, 1);
+    assert!(ran.err.contains("map.ply"));
+    let found: Value = serde_json::from_str(&ran.out).unwrap();
     assert!(found["max_mm"].as_f64().unwrap() < 1e-4, "{found}");
 }
 
 #[test]
 fn a_mesh_in_pixels_has_no_distance_in_mm() {
     let (folder, fixed) = (Folder::new(), relief());
-    let b = folder.ply("b.ply", &fixed);
-    let a = folder.ply("a.ply", &Mesh { unit: LengthUnit::Pixel, ..fixed });
-    let output = compare(&a, &b, &[]);
-    let lines = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(1) && lines.contains("the mesh to compare is in pixels"), "{lines}");
+    let b = ply(&folder, "b.ply", &fixed);
+    let a = ply(&folder, "a.ply", &Mesh { unit: LengthUnit::Pixel, ..fixed });
+    let ran = compare(&a, &b, &[]);
+    assert!(ran.code == 1 && ran.err.contains("the mesh to compare is in pixels"), "{}", ran.err);
 }
 
 #[test]
 fn the_text_has_a_line_for_each_number() {
     let (folder, fixed) = (Folder::new(), relief());
-    let b = folder.ply("b.ply", &fixed);
-    let output = compare(&b, &b, &["--align"]);
-    let text = String::from_utf8(output.stdout).unwrap();
+    let b = ply(&folder, "b.ply", &fixed);
+    let ran = compare(&b, &b, &["--align"]);
+    let text = ran.out;
     for line in ["mean distance", "rms distance", "95 %", "largest", "overlap", "orientation", "rms of each iteration"]
     {
         assert!(text.contains(line), "{text}");
@@ -214,7 +191,7 @@ fn the_text_has_a_line_for_each_number() {
 #[test]
 fn strangers_and_broken_files_are_refused_and_the_output_stands() {
     let (folder, fixed) = (Folder::new(), relief());
-    let b = folder.ply("b.ply", &fixed);
+    let b = ply(&folder, "b.ply", &fixed);
     let map = folder.path("map.ply");
     fs::write(&map, "mine").unwrap();
     let refused = |a: &Path, options: &[&str], parts: &[&str]| {
@@ -224,11 +201,11 @@ fn strangers_and_broken_files_are_refused_and_the_output_stands() {
     };
 
     let elsewhere = fixed.clone().moved(&Isometry3::translation(0.0, 900.0, 0.0));
-    refused(&folder.ply("far.ply", &elsewhere), &[], &["align the two first"]);
+    refused(&ply(&folder, "far.ply", &elsewhere), &[], &["align the two first"]);
     let mut stranger = fixed.clone();
     stranger.positions.iter_mut().for_each(|p| p.z = 0.6 * p.x.abs() + 0.05 * p.y * (p.x * 0.3).sin());
     refused(
-        &folder.ply("stranger.ply", &stranger.moved(&Isometry3::translation(0.0, 70.0, 0.0))),
+        &ply(&folder, "stranger.ply", &stranger.moved(&Isometry3::translation(0.0, 70.0, 0.0))),
         &["--align"],
         &["overlap by", "%"],
     );
@@ -243,7 +220,7 @@ fn strangers_and_broken_files_are_refused_and_the_output_stands() {
     fs::write(folder.path("photo.ply"), b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap();
     refused(&folder.path("photo.ply"), &[], &["photo.ply", "PNG"]);
     refused(&folder.path("missing.ply"), &[], &["missing.ply"]);
-    refused(folder.0.path(), &[], &["capture.toml"]);
+    refused(folder.root(), &[], &["capture.toml"]);
 }
 
 /// The relief as OBJ text, with a change.
@@ -258,7 +235,7 @@ fn obj(folder: &Folder, name: &str, change: impl Fn(String) -> String) -> PathBu
 #[test]
 fn odd_meshes_are_measured_with_a_line_that_says_what_is_odd() {
     let (folder, fixed) = (Folder::new(), relief());
-    let b = folder.ply("b.ply", &fixed);
+    let b = ply(&folder, "b.ply", &fixed);
     let side = CELLS + 1;
     let far = format!("f 1 2 {}\nf 1 2 {}\n", 2 * side, 3 * side);
     let quads = |text: String| {
@@ -291,11 +268,11 @@ fn odd_meshes_are_measured_with_a_line_that_says_what_is_odd() {
         (obj(&folder, "doubled.obj", doubled), "vertices joined"),
     ];
     for (path, words) in cases {
-        let output = compare(&path, &b, &["--json"]);
-        let warnings = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.success(), "{warnings}");
+        let ran = compare(&path, &b, &["--json"]);
+        let warnings = ran.err;
+        assert_eq!(ran.code, 0, "{warnings}");
         assert!(warnings.starts_with("warning: ") && warnings.contains(words), "{warnings}");
-        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let found: Value = serde_json::from_str(&ran.out).unwrap();
         assert!(found["mean_mm"].as_f64().unwrap() < 1e-3, "{path:?}: {found}");
     }
 }
@@ -303,7 +280,7 @@ fn odd_meshes_are_measured_with_a_line_that_says_what_is_odd() {
 #[test]
 fn hopeless_meshes_are_one_line_each() {
     let (folder, fixed) = (Folder::new(), relief());
-    let b = folder.ply("b.ply", &fixed);
+    let b = ply(&folder, "b.ply", &fixed);
     let write = |name: &str, bytes: &[u8]| {
         fs::write(folder.path(name), bytes).unwrap();
         folder.path(name)
@@ -333,15 +310,14 @@ fn hopeless_meshes_are_one_line_each() {
     // Far from the origin coordinates are coarse: it is told, and there is nothing to compare with.
     let mut huge = fixed.clone();
     huge.positions.iter_mut().for_each(|p| p.x += 4e6);
-    let output = compare(&folder.ply("huge.ply", &huge), &b, &[]);
-    let lines = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(1) && lines.contains("align the two first"), "{lines}");
+    let ran = compare(&ply(&folder, "huge.ply", &huge), &b, &[]);
+    assert!(ran.code == 1 && ran.err.contains("align the two first"), "{}", ran.err);
 }
 
 #[test]
 fn the_json_has_the_promised_keys_at_its_top() {
     let (folder, fixed) = (Folder::new(), relief());
-    let b = folder.ply("b.ply", &fixed);
+    let b = ply(&folder, "b.ply", &fixed);
     let found = numbers(&b, &b, &[]);
     for key in ["mean_mm", "rms_mm", "p95_mm", "max_mm", "overlap", "orientation_error_deg", "rotation_deg"] {
         assert!(found[key].is_f64(), "{key} in {found}");
@@ -353,7 +329,7 @@ fn the_json_has_the_promised_keys_at_its_top() {
 #[test]
 fn a_wrong_name_is_told_and_read_all_the_same() {
     let (folder, fixed) = (Folder::new(), relief());
-    let b = folder.ply("b.ply", &fixed);
+    let b = ply(&folder, "b.ply", &fixed);
     fs::copy(&b, folder.path("a.obj")).unwrap();
     let found = numbers(&folder.path("a.obj"), &b, &[]);
     assert!(found["warnings"][0].as_str().unwrap().contains("named .obj, but it is PLY"));
@@ -362,9 +338,9 @@ fn a_wrong_name_is_told_and_read_all_the_same() {
 #[test]
 fn what_is_no_comparison_is_wrong_usage() {
     let (folder, fixed) = (Folder::new(), relief());
-    let b = folder.ply("b.ply", &fixed);
+    let b = ply(&folder, "b.ply", &fixed);
     for options in [["--heat-map", "map.obj"], ["--unit", "furlong"]] {
-        assert_eq!(compare(&b, &b, &options).status.code(), Some(2));
+        assert_eq!(compare(&b, &b, &options).code, 2);
     }
 }
 
@@ -374,7 +350,7 @@ fn a_forgotten_unit_is_told_and_what_is_compared_is_never_replaced() {
     let mesh = relief();
     let mut in_metres = mesh.clone();
     in_metres.positions.iter_mut().for_each(|p| *p /= 1000.0);
-    let (a, b) = (folder.ply("metres.ply", &in_metres), folder.ply("b.ply", &mesh));
+    let (a, b) = (ply(&folder, "metres.ply", &in_metres), ply(&folder, "b.ply", &mesh));
     let warnings = numbers(&a, &b, &[])["warnings"].to_string();
     assert!(warnings.contains("A is 1000 times smaller than B"), "{warnings}");
     let before = std::fs::read(&b).unwrap();
