@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
+use firstbounce_capture::export::OutputOptions;
+use firstbounce_capture::pipeline::SolveOptions;
 
 use super::solve::{OUTPUT_FOLDER, solve_into, summary};
 use super::{PrintArgs, print, print_json, print_warnings, window};

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use firstbounce_capture::pipeline::{AlbedoScale, Method, OutputOptions, SolveOptions, solve, write_solved};
+use firstbounce_capture::export::{OutputOptions, write_solved};
+use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, solve};
 use firstbounce_capture::report::{NayarRecord, Report};
 use firstbounce_capture::{CaptureSet, OutputFolder};
 use firstbounce_core::methods::by_shape::ByShapeOptions;

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{Button, CollapsingHeader, DragValue, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::OutputFolder;
+use firstbounce_capture::export::{OutputOptions, write_solved};
 use firstbounce_capture::image_file::{GreenAxis, GreyBits};
 use firstbounce_capture::mesh_file::{Axes, OutputFormat};
-use firstbounce_capture::pipeline::{OutputOptions, camera_of, write_solved};
+use firstbounce_capture::pipeline::camera_of;
 use firstbounce_capture::report::Report;
 use firstbounce_core::mesh::decimate::DecimateOptions;
 

@@ -6,7 +6,6 @@ mod cost;
 mod error;
 mod evaluate;
 mod methods;
-mod output;
 mod photos;
 mod reconstruct;
 mod scene;
@@ -27,12 +26,13 @@ pub use evaluate::{Angles, Evaluation, MethodErrors, NayarErrors, NayarIteration
 pub use methods::{
     AlbedoScale, Found, Input, Method, MethodReport, NayarSolved, Needs, OnShape, denoise_lights, separate_lights,
 };
-pub use output::{OutputOptions, write_solved};
 pub use photos::{ObjectPhotos, PhotoStore, ShotLight, SubjectPhotos, file_warnings, load_object, load_subject};
+pub(crate) use reconstruct::relative_albedo;
 pub use reconstruct::{Direct, Separated, SolveOptions, Solved, raw_lights, reconstruct, recover, solve, triangulate};
 pub use scene::{Scene, camera_of};
 pub use surfaces::{Surface, SurfaceName};
 pub use survey::{Exposed, region_of, survey, thumbnail};
 pub use trust::{ObjectLevels, judge, rig_of};
 pub use truth::truth_mesh;
+pub(crate) use watch::Part;
 pub use watch::{PipelineWatch, Stage, Unattended};

@@ -253,7 +253,7 @@ pub fn triangulate(shape: &Shape, camera: &Camera, options: &MeshOptions) -> Res
 }
 
 /// Albedo over its largest value: a mesh's colours end at 1.
-pub(super) fn relative_albedo(albedo: &Plane) -> Plane {
+pub(crate) fn relative_albedo(albedo: &Plane) -> Plane {
     let largest = albedo.data().iter().copied().fold(0.0, f32::max).max(f32::MIN_POSITIVE);
     let data = albedo.data().iter().map(|value| value / largest).collect();
     Plane::from_vec(albedo.width(), albedo.height(), data).unwrap_or_else(|| albedo.clone())

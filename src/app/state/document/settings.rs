@@ -1,7 +1,8 @@
 //! What a person chooses in the window beyond capture.toml.
 
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{Method, OutputOptions};
+use firstbounce_capture::export::OutputOptions;
+use firstbounce_capture::pipeline::Method;
 use firstbounce_capture::set::ShapeSettings;
 use firstbounce_core::methods::by_shape::ByShapeOptions;
 use serde::{Deserialize, Serialize};

@@ -6,7 +6,6 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use crate::image_file::DepthScale;
-use crate::pipeline::OutputOptions;
 
 /// How the meshes and the depth were written.
 #[derive(Clone, Debug, Serialize)]
@@ -44,21 +43,6 @@ pub struct DecimationRecord {
 }
 
 impl ExportRecord {
-    /// What the options say; what they cost comes as it is written. `unit` is the meshes', if there are any.
-    pub(crate) fn of(options: &OutputOptions, unit: Option<LengthUnit>) -> Self {
-        let words = |unit| {
-            options.formats.iter().map(move |format| {
-                let words = MeshFormatRecord { axes: format.axes(options.axes).words(), unit: format.unit(unit) };
-                (format.extension(), words)
-            })
-        };
-        Self {
-            meshes: unit.into_iter().flat_map(words).collect(),
-            decimation: IndexMap::new(),
-            depth_png: IndexMap::new(),
-        }
-    }
-
     /// A line for each mesh that was decimated.
     pub fn decimation_lines(&self) -> Vec<String> {
         let line = |(name, words): (&String, &DecimationRecord)| {

@@ -10,10 +10,9 @@ use std::path::{Path, PathBuf};
 use firstbounce_core::{NormalMap, Plane};
 use indexmap::IndexMap;
 
-use super::watch::Part;
-use super::{PipelineError, PipelineWatch, Solved, Stage, StageCost, Surface, camera_of};
 use crate::atomic::{OutputFolder, WriteError};
 use crate::image_file::{ExrLayer, ImageError, depth_png, normals_png, write_exr};
+use crate::pipeline::{Part, PipelineError, PipelineWatch, Solved, Stage, StageCost, Surface, camera_of};
 use crate::report::{ExportRecord, Report, html, overview, unit_word};
 use crate::set::CaptureSet;
 
@@ -92,7 +91,7 @@ fn write_results(
     let surfaces =
         [(solved.after.as_ref().ok(), "", ""), (solved.before.as_ref(), "-raw", " from the photos as they are")];
     let unit = surfaces.iter().find_map(|(surface, ..)| surface.map(|surface| surface.mesh.unit));
-    let mut export = ExportRecord::of(options, unit);
+    let mut export = options::record(options, unit);
     for (index, (surface, suffix, origin)) in (count - 2..).zip(surfaces) {
         let Some(surface) = surface else { continue };
         write_surface(surface, (suffix, origin), files, options, &mut export)?;

@@ -3,11 +3,10 @@
 use firstbounce_core::mesh::decimate::{DecimateOptions, Decimated, decimate};
 use firstbounce_core::{Camera, Mesh, Plane};
 
-use super::super::reconstruct::relative_albedo;
-use super::super::{PipelineError, Surface};
 use super::{Files, OutputOptions, write_bytes, write_text};
 use crate::image_file::{GreyBits, texture_png};
 use crate::mesh_file::{Embedded, Material, MeshContents, OutputFormat, Quality, write_mesh};
+use crate::pipeline::{PipelineError, Surface, relative_albedo};
 use crate::report::{DecimationRecord, ExportRecord};
 
 /// What the quality of a vertex is.
