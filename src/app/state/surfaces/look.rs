@@ -1,32 +1,38 @@
 //! How a 3D view shows the surfaces: what a person chose, kept with the arrangement of views.
 
+use firstbounce_capture::pipeline::Method;
 use serde::{Deserialize, Serialize};
 
+use crate::app::state::results::SurfaceName;
 use crate::gpu::mesh::{Bounds, Camera, Lens, StandardView};
 
 /// A surface that can be shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LayerName {
-    /// From bounce 1.
-    After,
-    /// From the photos as they are.
-    Before,
-    /// By Nayar's method, where it was asked for.
-    Nayar,
+    /// A surface of the set.
+    Surface(SurfaceName),
     /// A scan of the same object.
     Reference,
 }
 
 impl LayerName {
+    /// From bounce 1.
+    pub const AFTER: Self = Self::Surface(SurfaceName::AFTER);
+    /// From the photos as they are.
+    pub const BEFORE: Self = Self::Surface(SurfaceName::Before);
+
     /// All, in the order of the list.
-    pub const ALL: [Self; 4] = [Self::After, Self::Before, Self::Nayar, Self::Reference];
+    pub fn all() -> impl Iterator<Item = Self> {
+        let others = Method::others().map(|method| Self::Surface(SurfaceName::After(method)));
+        [Self::AFTER, Self::BEFORE].into_iter().chain(others).chain([Self::Reference])
+    }
 
     /// What it is called.
     pub fn title(self) -> &'static str {
         match self {
-            Self::After => "Bounce 1",
-            Self::Before => "Raw photos",
-            Self::Nayar => "Nayar's method",
+            Self::AFTER => "Bounce 1",
+            Self::Surface(SurfaceName::Before) => "Raw photos",
+            Self::Surface(SurfaceName::After(method)) => method.title(),
             Self::Reference => "Reference",
         }
     }
@@ -34,9 +40,9 @@ impl LayerName {
     /// The same within a sentence.
     pub fn in_sentence(self) -> &'static str {
         match self {
-            Self::After => "bounce 1",
-            Self::Before => "raw photos",
-            Self::Nayar => "Nayar's method",
+            Self::AFTER => "bounce 1",
+            Self::Surface(SurfaceName::Before) => "raw photos",
+            Self::Surface(SurfaceName::After(method)) => method.title(),
             Self::Reference => "reference",
         }
     }
@@ -120,7 +126,7 @@ pub struct SurfaceLook {
     pub after: LayerLook,
     /// Raw photos: cyan.
     pub before: LayerLook,
-    /// Nayar's method: violet.
+    /// Any other method: violet.
     pub nayar: LayerLook,
     /// The scan: red.
     pub reference: LayerLook,
@@ -159,9 +165,9 @@ impl SurfaceLook {
     /// A layer's share.
     pub fn layer(&self, name: LayerName) -> &LayerLook {
         match name {
-            LayerName::After => &self.after,
-            LayerName::Before => &self.before,
-            LayerName::Nayar => &self.nayar,
+            LayerName::AFTER => &self.after,
+            LayerName::Surface(SurfaceName::Before) => &self.before,
+            LayerName::Surface(SurfaceName::After(_)) => &self.nayar,
             LayerName::Reference => &self.reference,
         }
     }
@@ -169,9 +175,9 @@ impl SurfaceLook {
     /// The same, to be changed.
     pub fn layer_mut(&mut self, name: LayerName) -> &mut LayerLook {
         match name {
-            LayerName::After => &mut self.after,
-            LayerName::Before => &mut self.before,
-            LayerName::Nayar => &mut self.nayar,
+            LayerName::AFTER => &mut self.after,
+            LayerName::Surface(SurfaceName::Before) => &mut self.before,
+            LayerName::Surface(SurfaceName::After(_)) => &mut self.nayar,
             LayerName::Reference => &mut self.reference,
         }
     }
