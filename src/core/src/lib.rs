@@ -16,6 +16,7 @@ pub mod evaluate;
 pub mod indirect;
 pub mod interval;
 pub mod lab;
+mod linear_algebra;
 pub mod mask;
 pub mod mesh;
 pub mod mesh_topology;

@@ -5,6 +5,7 @@ use crate::{
     Photo,
     ball::{Ball, Circle},
     interval::{quantile, robust_sd},
+    linear_algebra,
     photo::{CLIPPED, DARK},
 };
 use nalgebra::{Matrix4, Vector3, Vector4};
@@ -329,7 +330,6 @@ impl ShadingSums {
     }
 
     pub fn solve(&self) -> Option<Vector4<f64>> {
-        let solution = self.matrix.cholesky()?.solve(&self.right);
-        solution.iter().all(|v| v.is_finite()).then_some(solution)
+        linear_algebra::solve_positive_definite(self.matrix, &self.right)
     }
 }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::block::JOB;
+use crate::linear_algebra;
 use crate::photo::{CLIPPED, DARK};
 use crate::separate::{OUTSIDE, UNSOLVED};
 use crate::{Camera, Mask, NormalMap, Plane, Watch};
@@ -319,8 +320,8 @@ fn check_lights(lights: &[DirectLight], mask: &Mask, surface: &Surface) -> Resul
 fn spread(lights: &[DirectLight]) -> Result<f64, NormalsError> {
     let directions: Vec<_> =
         lights.iter().map(|light| light.lamp.irradiance_vector(Point3::origin()).normalize()).collect();
-    let singular = DMatrix::from_fn(lights.len(), 3, |l, axis| directions[l][axis]).singular_values();
-    let spread = singular.min() / singular.max();
+    let matrix = DMatrix::from_fn(lights.len(), 3, |l, axis| directions[l][axis]);
+    let spread = linear_algebra::singular_values(&matrix).map_or(0.0, |singular| singular.min() / singular.max());
     if spread > LEAST_SPREAD { Ok(spread) } else { Err(NormalsError::LightsInPlane { lights: lights.len(), spread }) }
 }
 

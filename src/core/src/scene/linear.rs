@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
+use crate::linear_algebra;
 use crate::radiosity::{Patch, Patches};
 
 /// A radiosity over one patch.
@@ -66,7 +67,7 @@ fn gradients(patches: &[Patch], index: usize, around: &[Vec<usize>; 3], channels
     for (_, offset, pull) in &weighted {
         matrix += pull * offset.transpose();
     }
-    let inverse = (neighbours.len() >= 2).then(|| matrix.try_inverse()).flatten().unwrap_or_else(Matrix3::zeros);
+    let inverse = (neighbours.len() >= 2).then(|| linear_algebra::inverse(&matrix)).flatten().unwrap_or_else(Matrix3::zeros);
     let gradient = |channel: &&[f64]| {
         inverse
             * weighted.iter().map(|(other, _, pull)| pull * (channel[*other] - channel[index])).sum::<Vector3<f64>>()
