@@ -7,6 +7,7 @@ mod calibrate;
 mod export;
 mod lab;
 mod nayar;
+mod numbers;
 mod run;
 mod shared_sets;
 mod solve;

@@ -94,7 +94,7 @@ impl Editor {
 
     fn of(reading: Reading, settings: Settings, file: FileOnDisk) -> Self {
         let unread = if reading.complete { Vec::new() } else { reading.problems };
-        let document = Arc::new(Document { set: reading.set, settings });
+        let document = Arc::new(Document { set: reading.set, settings: settings.within_ranges() });
         let mut editor = Self { saved: document.clone(), document, file, unread, ..Self::default() };
         editor.judge();
         editor

@@ -1,11 +1,18 @@
 //! What each stage depends on: an edit makes stale only the stages whose key it changes.
+//!
+//! A measured value may be no number, as on a damaged photo, and NaN is not equal to itself: such a key would never be
+//! that of a result, and its stage would be computed without end. So keys hold the bits of measured values.
 
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::pipeline::Known;
 use firstbounce_capture::set::{Calibration, Projection, Separation, Subject, Truth};
 
 use super::Results;
 use super::stage::Step;
 use crate::app::document::{Document, NayarSettings, ShapeSettings};
+
+/// A measured value: the bits of its f64.
+type Bits = u64;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadKey {
@@ -30,8 +37,8 @@ pub struct CalibrateKey {
 pub struct SeparateKey {
     load: u64,
     pub lights: Vec<String>,
-    alpha: Vec<Vec<f64>>,
-    beta: Vec<f64>,
+    alpha: Vec<Vec<Bits>>,
+    beta: Vec<Bits>,
     pub bounces: usize,
 }
 
@@ -39,9 +46,9 @@ pub struct SeparateKey {
 pub struct ShapeKey {
     separate: u64,
     pub lights: Vec<String>,
-    directions: Vec<Option<[f64; 3]>>,
+    directions: Vec<Option<[Bits; 3]>>,
     positions_mm: Vec<Option<[f64; 3]>>,
-    intensities: Vec<f64>,
+    intensities: Vec<Bits>,
     projection: Projection,
     settings: ShapeSettings,
 }
@@ -56,7 +63,7 @@ pub struct NayarKey {
     shape: u64,
     grey_albedo: Option<f64>,
     white_light: Option<f64>,
-    grey_light: Option<f64>,
+    grey_light: Option<Bits>,
     /// Where the grey ball must be looked at once more, the calibration whose circles count.
     calibrate: Option<u64>,
     settings: NayarSettings,
@@ -129,7 +136,7 @@ fn separate_key(keys: &Keys, set: &CaptureSet, results: &Results) -> Option<Sepa
         return None;
     }
     let calibrated = &results.calibrate.last.as_ref()?.calibrated;
-    let values = |known: &Vec<firstbounce_capture::pipeline::Known<f64>>| known.iter().map(|k| k.value).collect();
+    let values = |known: &Vec<Known<f64>>| known.iter().map(|known| known.value.to_bits()).collect();
     Some(SeparateKey {
         load: results.load.generation,
         lights: set.lights.iter().map(|light| light.name.clone()).collect(),
@@ -147,9 +154,13 @@ fn shape_key(keys: &Keys, document: &Document, results: &Results) -> Option<Shap
     Some(ShapeKey {
         separate: results.separate.generation,
         lights: keys.separate.as_ref()?.lights.clone(),
-        directions: calibrated.direction.iter().map(|known| known.as_ref().map(|known| known.value)).collect(),
+        directions: calibrated
+            .direction
+            .iter()
+            .map(|known| known.as_ref().map(|known| known.value.map(f64::to_bits)))
+            .collect(),
         positions_mm: set.lights.iter().map(|light| light.position_mm).collect(),
-        intensities: calibrated.intensity.iter().map(|known| known.value).collect(),
+        intensities: calibrated.intensity.iter().map(|known| known.value.to_bits()).collect(),
         projection: set.camera.projection,
         settings: document.settings.shape.clone(),
     })
@@ -166,7 +177,7 @@ fn nayar_key(keys: &Keys, document: &Document, results: &Results) -> Option<Naya
         shape: results.shape.generation,
         grey_albedo,
         white_light,
-        grey_light,
+        grey_light: grey_light.map(f64::to_bits),
         calibrate: grey_light.is_none().then_some(results.calibrate.generation),
         settings: settings.clone(),
     })
@@ -202,4 +213,61 @@ fn without_given(set: &CaptureSet) -> CaptureSet {
     set.truth = Truth::default();
     set.lights.iter_mut().for_each(|light| light.direction = None);
     set
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use firstbounce_capture::pipeline::simulate::{SimulateOptions, simulate, write_simulated};
+    use firstbounce_capture::pipeline::{Calibrated, Source};
+    use firstbounce_core::Unwatched;
+
+    use super::super::{Given, run};
+    use super::*;
+    use crate::app::jobs::Jobs;
+
+    /// As a ball measures it whose photos are damaged.
+    fn no_number<T>(value: T) -> Known<T> {
+        Known { value, interval: None, source: Source::GreyBall, pixels: None }
+    }
+
+    #[test]
+    fn a_stage_of_measured_values_that_are_no_numbers_is_computed_once() {
+        let place = tempfile::tempdir().unwrap();
+        let options = SimulateOptions { patches: 40, size_px: 16, truth_bounces: 1, balls: None, ..Default::default() };
+        write_simulated(&simulate(&options, &Unwatched).unwrap(), &place.path().join("set")).unwrap();
+        let mut document = Document { set: CaptureSet::open(place.path().join("set")).unwrap(), ..Document::default() };
+        document.set.separation.bounces = Some(2);
+
+        let mut results = Results::default();
+        let set = document.set.clone();
+        let task = Jobs::new(Arc::new(|| ())).start("load", move |job| run::load(&set, job));
+        let loaded = loop {
+            if let Some(loaded) = task.poll() {
+                break loaded;
+            }
+        };
+        results.load.finish(Keys::of(&document, &results).load, loaded);
+        let nan = || no_number(f64::NAN);
+        let calibrated = Calibrated {
+            alpha: vec![Some(vec![nan(), nan()]); 3],
+            beta: Some(vec![nan(), nan()]),
+            intensity: vec![nan(), nan(), nan()],
+            direction: vec![Some(no_number([f64::NAN; 3])); 3],
+            ..Calibrated::default()
+        };
+        let given = Given::default();
+        let calibration = super::super::Calibration { lights: Vec::new(), colours: Vec::new(), calibrated, given };
+        let calibrate = Keys::of(&document, &results).calibrate.unwrap();
+        results.calibrate.finish(calibrate, Ok(calibration));
+        let separate = Keys::of(&document, &results).separate.unwrap();
+        results
+            .separate
+            .finish(separate, Ok(firstbounce_capture::pipeline::Separated { lights: vec![], reports: vec![] }));
+        let keys = Keys::of(&document, &results);
+        assert!(results.separate.is_ready(keys.separate.as_ref()), "separated once more");
+        assert_eq!(keys, Keys::of(&document, &results));
+        assert!(keys.shape.is_some());
+    }
 }

@@ -1,5 +1,6 @@
 //! The views in the centre: tiles that show any plane of the pipeline.
 
+mod layout;
 mod look;
 mod pane;
 mod picker;
@@ -127,7 +128,7 @@ impl Views {
     /// The arrangement that was kept; `None` if it holds no view.
     pub fn from_json(kept: serde_json::Value) -> Option<Self> {
         let tree: Tree<View> = serde_json::from_value(kept).ok()?;
-        (tree.root().is_some() && panes(&tree.tiles).next().is_some()).then(|| Self::of(tree))
+        layout::rebuilt(&tree).map(Self::of)
     }
 
     /// The view that commands act on.

@@ -28,9 +28,12 @@ impl ShapeOptions {
     pub fn check(&self) -> Result<(), ShapeError> {
         self.normals.check()?;
         self.depth.check()?;
-        if self.rounds == 0 { Err(ShapeError::NoRounds) } else { Ok(()) }
+        if (1..=MAX_ROUNDS).contains(&self.rounds) { Ok(()) } else { Err(ShapeError::Rounds { rounds: self.rounds }) }
     }
 }
+
+/// Lamps that are placed anew so often have long come to rest.
+const MAX_ROUNDS: usize = 100;
 
 /// Why there is no surface.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -41,9 +44,12 @@ pub enum ShapeError {
     /// Integration failed.
     #[error(transparent)]
     Depth(#[from] DepthError),
-    /// Zero rounds were asked for.
-    #[error("0 rounds: at least one is needed")]
-    NoRounds,
+    /// No round was asked for, or too many.
+    #[error("{rounds} rounds: take 1 to {MAX_ROUNDS}")]
+    Rounds {
+        /// How many were asked for.
+        rounds: usize,
+    },
 }
 
 impl ShapeError {

@@ -11,6 +11,7 @@ mod encoding;
 mod fields;
 mod guess;
 mod model;
+mod number;
 mod problem;
 mod query;
 mod read;
@@ -23,9 +24,11 @@ mod write;
 #[cfg(test)]
 mod tests;
 
-pub use consistency::CLOSEST_BETA;
+pub use consistency::{CLOSEST_BETA, MAX_COLOURS, MAX_LIGHTS};
 pub use guess::{Became, Guess, GuessOptions, Pattern, PatternError, add_files, assign, propose};
 pub use model::*;
+pub use number::Number;
+pub(crate) use number::{is_vector, vector_words};
 pub use problem::{Location, Problem, SetError, TextPosition};
 pub use read::{FILE_NAME, Reading};
 pub use rig::CarriedRig;

@@ -10,6 +10,9 @@ use crate::{Mesh, Watch};
 /// Vertices measured between two looks at the watch.
 const BLOCK: usize = 1 << 16;
 
+/// What `limit_mm` may be.
+const LIMITS_MM: std::ops::RangeInclusive<f64> = 1e-6..=1e9;
+
 /// What counts as a counterpart.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DistanceOptions {
@@ -19,11 +22,11 @@ pub struct DistanceOptions {
 }
 
 impl DistanceOptions {
-    /// Refuses a limit that is not positive.
+    /// Refuses a limit that no surface can be within, or that single precision cannot compute with.
     pub fn check(&self) -> Result<(), CompareError> {
         match self.limit_mm {
-            Some(value) if !(value > 0.0 && value.is_finite()) => {
-                Err(CompareError::Option { name: "limit_mm", value, range: "more than 0 mm" })
+            Some(value) if !LIMITS_MM.contains(&value) => {
+                Err(CompareError::Option { name: "limit_mm", value, range: "from 1e-6 to 1e9 mm" })
             }
             _ => Ok(()),
         }

@@ -65,7 +65,7 @@ impl AlignOptions {
         let overlap = self.minimum_overlap;
         in_range("minimum_overlap", overlap, (0.0..=1.0).contains(&overlap), "0 to 1")?;
         let reach = self.reach_mm.unwrap_or(1.0);
-        in_range("reach_mm", reach, reach > 0.0 && reach.is_finite(), "more than 0 mm")?;
+        in_range("reach_mm", reach, (1e-6..=1e9).contains(&reach), "from 1e-6 to 1e9 mm")?;
         in_range("samples", self.samples as f64, self.samples >= 100, "at least 100")?;
         in_range("iterations", self.iterations as f64, self.iterations >= 1, "at least 1")
     }

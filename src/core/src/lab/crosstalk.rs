@@ -6,19 +6,21 @@ use rayon::prelude::*;
 use super::LabError;
 use crate::Plane;
 
+const MAX_SHARE: f64 = 100.0;
+
 /// What each channel (row) sees of each lamp colour (column) when all colours flash at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crosstalk(DMatrix<f64>);
 
 impl Crosstalk {
-    /// A square matrix of finite numbers.
+    /// A square matrix of numbers up to 100: what is seen of a lamp is about as strong as the lamp.
     pub fn new(matrix: DMatrix<f64>) -> Result<Self, LabError> {
         if !matrix.is_square() {
             let (rows, columns) = matrix.shape();
             return Err(LabError::CrosstalkShape { rows, columns, colours: rows });
         }
-        match matrix.iter().find(|entry| !entry.is_finite()) {
-            Some(&value) => Err(LabError::BadOption { option: "crosstalk", value, range: "finite" }),
+        match matrix.iter().find(|entry| !(-MAX_SHARE..=MAX_SHARE).contains(*entry)) {
+            Some(&value) => Err(LabError::BadOption { option: "crosstalk", value, range: "from -100 to 100" }),
             None => Ok(Self(matrix)),
         }
     }

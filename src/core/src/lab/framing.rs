@@ -13,6 +13,11 @@ const FILLED: f64 = 0.96;
 /// Rays along each side of the picture that look for faces that are turned away, and how high the surface lies.
 const LOOKS_PER_SIDE: usize = 64;
 
+/// From there a surface of any size is seen by parallel rays.
+const MAX_DISTANCE_MM: f64 = 1e9;
+/// From a pinhole that sees almost everything before it to parallel rays.
+const FOCAL_LENGTHS_PX: std::ops::RangeInclusive<f64> = 1.0..=1e7;
+
 /// The camera's lens.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Lens {
@@ -60,16 +65,21 @@ pub fn framed_through(mut mesh: Mesh, lens: Lens, size_px: usize) -> Result<(Mes
                 let range = "more than the height of the surface over z = 0";
                 return Err(LabError::BadOption { option: "working_distance_mm", value: working_distance_mm, range });
             }
+            if working_distance_mm > MAX_DISTANCE_MM {
+                let range = "at most 1e9; leave it out for parallel rays";
+                return Err(LabError::BadOption { option: "working_distance_mm", value: working_distance_mm, range });
+            }
             let slope = |p: &nalgebra::Point3<f32>| {
                 f64::from(p.x.abs().max(p.y.abs())) / (working_distance_mm - f64::from(p.z))
             };
             let steepest = mesh.positions.iter().map(slope).fold(0.0, f64::max);
             let middle_px = size_px as f64 / 2.0;
-            Projection::Perspective {
-                focal_length_px: filled_px / 2.0 / steepest,
-                principal_point_px: (middle_px, middle_px),
-                working_distance_mm,
+            let focal_length_px = filled_px / 2.0 / steepest;
+            if !FOCAL_LENGTHS_PX.contains(&focal_length_px) {
+                let range = "near enough to see a slope, and farther than the surface is wide";
+                return Err(LabError::BadOption { option: "working_distance_mm", value: working_distance_mm, range });
             }
+            Projection::Perspective { focal_length_px, principal_point_px: (middle_px, middle_px), working_distance_mm }
         }
     };
     let camera = Camera { projection, size: (size_px, size_px) };

@@ -70,17 +70,17 @@ impl PlanOptions {
     pub fn check(&self) -> Result<(), LabError> {
         let bad = |option, value, range| Err(LabError::BadOption { option, value, range });
         self.sensor.check()?;
-        if !(self.brightest > 0.0 && self.brightest <= 1.0) {
-            return bad("brightest", self.brightest, "above 0 and at most 1");
+        if !(1e-6..=1.0).contains(&self.brightest) {
+            return bad("brightest", self.brightest, "from 1e-6 to 1");
         }
-        if let Some(white) = self.white.filter(|white| !(*white > 0.0 && white.is_finite())) {
-            return bad("white", white, "more than 0");
+        if let Some(white) = self.white.filter(|white| !(1e-9..=1e9).contains(white)) {
+            return bad("white", white, "from 1e-9 to 1e9");
         }
         if let Some(&frames) = self.frames.iter().find(|frames| !(1..=10_000).contains(*frames)) {
             return bad("frames", frames as f64, "1 to 10000");
         }
-        if let Some(&ratio) = self.ratios.iter().find(|&&ratio| !(ratio > 0.0 && ratio.is_finite())) {
-            return bad("ratio", ratio, "more than 0");
+        if let Some(&ratio) = self.ratios.iter().find(|&ratio| !(1e-4..=1e4).contains(ratio)) {
+            return bad("ratio", ratio, "from 0.0001 to 10000");
         }
         if self.bounces == 0 || self.bounces > self.albedos.len() {
             return bad("bounces", self.bounces as f64, "1 to the number of albedos");

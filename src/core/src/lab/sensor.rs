@@ -8,7 +8,9 @@ use super::LabError;
 use crate::{Photo, Plane, photo::CLIPPED};
 
 /// The largest finite full well: its noise is far below a step of 16 bits, and its photons can still be counted out.
-const MOST_ELECTRONS: f64 = 1e15;
+const MAX_ELECTRONS: f64 = 1e15;
+/// No sensor that shows a picture has more.
+const MAX_READ_NOISE: f64 = 1e4;
 
 /// A sensor whose stored values run from 0 to `2^bits - 1`, where it clips.
 ///
@@ -63,14 +65,17 @@ impl Sensor {
     /// Whether every number is in its range.
     pub fn check(&self) -> Result<(), LabError> {
         let bad = |option, value, range| Err(LabError::BadOption { option, value, range });
-        if self.full_well_electrons.is_nan() || self.full_well_electrons <= 0.0 {
-            return bad("full_well_electrons", self.full_well_electrons, "more than 0");
+        if self.full_well_electrons.is_nan() || self.full_well_electrons < 1.0 {
+            return bad("full_well_electrons", self.full_well_electrons, "at least 1");
         }
-        if self.full_well_electrons.is_finite() && self.full_well_electrons > MOST_ELECTRONS {
+        if self.full_well_electrons.is_finite() && self.full_well_electrons > MAX_ELECTRONS {
             return bad("full_well_electrons", self.full_well_electrons, "at most 1e15, or inf for no noise");
         }
-        if !(self.read_noise_electrons.is_finite() && self.read_noise_electrons >= 0.0) {
-            return bad("read_noise_electrons", self.read_noise_electrons, "0 or more");
+        if !(0.0..=MAX_READ_NOISE).contains(&self.read_noise_electrons) {
+            return bad("read_noise_electrons", self.read_noise_electrons, "0 to 10000");
+        }
+        if self.read_noise_electrons >= self.full_well_electrons {
+            return bad("read_noise_electrons", self.read_noise_electrons, "less than full_well_electrons");
         }
         if !(1..=16).contains(&self.bits) {
             return bad("bits", f64::from(self.bits), "1 to 16");
@@ -78,8 +83,8 @@ impl Sensor {
         if !(self.black_level >= 0.0 && self.black_level < self.white_level()) {
             return bad("black_level", self.black_level, "0 or more and below the white level 2^bits - 1");
         }
-        if !(self.exposure.is_finite() && self.exposure > 0.0) {
-            return bad("exposure", self.exposure, "more than 0");
+        if !(1e-9..=1e9).contains(&self.exposure) {
+            return bad("exposure", self.exposure, "from 1e-9 to 1e9");
         }
         if !(1..=10_000).contains(&self.frames) {
             return bad("frames", self.frames as f64, "1 to 10000");

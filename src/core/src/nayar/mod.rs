@@ -57,8 +57,8 @@ impl NayarOptions {
         if !(16..=20_000).contains(&self.patches) {
             return refuse("patches", self.patches as f64, "from 16 to 20000");
         }
-        if self.max_iterations == 0 {
-            return refuse("max_iterations", 0.0, "at least 1");
+        if !(1..=1000).contains(&self.max_iterations) {
+            return refuse("max_iterations", self.max_iterations as f64, "from 1 to 1000");
         }
         if !(self.smallest_change_deg > 0.0 && self.smallest_change_deg < 90.0) {
             return refuse("smallest_change_deg", self.smallest_change_deg, "above 0 and below 90");

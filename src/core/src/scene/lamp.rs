@@ -6,6 +6,12 @@ use rayon::prelude::*;
 use super::SceneError;
 use crate::radiosity::{Occluders, Patch, Patches};
 
+/// A lamp's light is divided by the square of its distance, and multiplied by that of another.
+const MIN_DISTANCE_MM: f64 = 1e-6;
+const MAX_PLACE_MM: f64 = 1e8;
+/// Relative to the first light, and far beyond any lamp.
+const MAX_INTENSITY: f64 = 1e9;
+
 /// A lamp. Its intensity is the irradiance of a facet at the origin that faces it, with nothing between.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lamp {
@@ -109,15 +115,18 @@ impl Lamp {
     pub fn check(&self) -> Result<(), SceneError> {
         let bad = |what, value, range| Err(SceneError::BadLamp { what, value, range });
         let intensity = self.intensity();
-        if !(intensity.is_finite() && intensity >= 0.0) {
-            return bad("intensity", intensity, "0 or more");
+        if !(0.0..=MAX_INTENSITY).contains(&intensity) {
+            return bad("intensity", intensity, "from 0 to 1e9");
+        }
+        if let Some(far) = self.position_mm().map(|position| position.coords.amax()).filter(|far| *far > MAX_PLACE_MM) {
+            return bad("a coordinate of the lamp", far, "at most 1e8 mm; give the direction of a lamp so far away");
         }
         match self {
             Self::Directional { direction_to_light, .. } if (direction_to_light.norm() - 1.0).abs() > 1e-6 => {
                 bad("the length of direction_to_light", direction_to_light.norm(), "1")
             }
-            Self::Point { position_mm, .. } if position_mm.coords.norm() == 0.0 => {
-                bad("the distance of the lamp", position_mm.coords.norm(), "greater than 0")
+            Self::Point { position_mm, .. } if position_mm.coords.norm() < MIN_DISTANCE_MM => {
+                bad("the distance of the lamp", position_mm.coords.norm(), "at least 1e-6 mm")
             }
             Self::Area { points_per_side, .. } if !(1..=64).contains(points_per_side) => {
                 bad("points_per_side", *points_per_side as f64, "between 1 and 64")

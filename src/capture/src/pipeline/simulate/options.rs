@@ -8,6 +8,7 @@ use firstbounce_core::scene::Shape;
 
 use super::{LampOptions, SimulateError};
 use crate::mesh_file::read::{LengthScale, MeshError, read_mesh};
+use crate::set::{MAX_COLOURS, MAX_LIGHTS, Number};
 
 /// The surface that is photographed.
 #[derive(Clone, Debug, PartialEq)]
@@ -182,6 +183,11 @@ impl Default for SimulateOptions {
     }
 }
 
+/// A paint that reflects something, and not everything.
+fn is_albedo(albedo: f64) -> bool {
+    Number::GreyAlbedo.allows(albedo) && albedo < 1.0
+}
+
 impl SimulateOptions {
     /// Names for `count` colours: c1, c2, ..
     pub fn colour_names(count: usize) -> Vec<String> {
@@ -201,13 +207,19 @@ impl SimulateOptions {
     /// Whether every option is in its range. Lengths of shapes are checked where the shape is made.
     pub fn check(&self) -> Result<(), SimulateError> {
         let bad = |option, value, range| Err(SimulateError::BadOption { option, value, range });
-        if let Some(&albedo) = self.albedos.iter().find(|&&albedo| !(albedo > 0.0 && albedo < 1.0)) {
+        if let Some(&albedo) = self.albedos.iter().find(|albedo| !is_albedo(**albedo)) {
             return Err(SimulateError::BadAlbedo { albedo });
         }
         if self.albedos.is_empty() {
             return bad("the number of albedos", 0.0, "one for each lamp colour, at least one");
         }
         let colours = self.albedos.len();
+        if colours > MAX_COLOURS {
+            return bad("the number of albedos", colours as f64, "at most 32");
+        }
+        if self.lamps.len() > MAX_LIGHTS {
+            return bad("the number of lamps", self.lamps.len() as f64, "at most 1000");
+        }
         if self.colours.len() != colours {
             return Err(SimulateError::Count { what: "colour names", found: self.colours.len(), expected: colours });
         }
@@ -228,15 +240,15 @@ impl SimulateOptions {
                 return bad(option, value as f64, range);
             }
         }
-        if let Some(balls) = self.balls.filter(|balls| !(balls.grey_albedo > 0.0 && balls.grey_albedo < 1.0)) {
+        if let Some(balls) = self.balls.filter(|balls| !is_albedo(balls.grey_albedo)) {
             return Err(SimulateError::BadAlbedo { albedo: balls.grey_albedo });
         }
         match self.exposure {
-            Exposure::Brightest(light) if !(light > 0.0 && light <= 1.0) => {
-                return bad("the light of the brightest pixel", light, "above 0 and at most 1");
+            Exposure::Brightest(light) if !(1e-6..=1.0).contains(&light) => {
+                return bad("the light of the brightest pixel", light, "from 1e-6 to 1");
             }
-            Exposure::White(light) if !(light > 0.0 && light.is_finite()) => {
-                return bad("the exposure", light, "more than 0");
+            Exposure::White(light) if !Number::WhiteLight.allows(light) => {
+                return bad("the exposure", light, "from 1e-9 to 1e9");
             }
             _ => {}
         }
