@@ -29,6 +29,7 @@ pub use model::*;
 pub use problem::{Location, Problem, SetError, TextPosition};
 pub use read::{FILE_NAME, Reading};
 pub use rig::CarriedRig;
+pub(crate) use rule::is_usable_name;
 pub use table::{ShotCell, ShotRow, ShotTable};
 pub use word::Word;
 pub use write::{update_text, write_calibration};
