@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use firstbounce_capture::WriteError;
 use firstbounce_capture::set::{Location, Problem};
 
 use super::commands::CommandId;
@@ -60,6 +61,8 @@ pub struct Session {
     /// The document that recovery knows.
     noted: Arc<Document>,
     pub(super) changed_on_disk: bool,
+    /// Whether it was said that nothing is kept beside this set.
+    said_not_kept: bool,
 }
 
 impl Session {
@@ -84,6 +87,7 @@ impl Session {
             requests: Vec::new(),
             noted: Arc::default(),
             changed_on_disk: false,
+            said_not_kept: false,
         }
     }
 
@@ -191,6 +195,7 @@ impl Session {
             .unwrap_or_else(|| Views::showing(first_view(&document)));
         self.disk = Some(DiskWatch::new(self.editor.path().to_owned(), self.jobs.wake()));
         self.panel = PanelName::Captures;
+        self.say_not_kept(super::document::kept_view(folder).err());
         // A set that has just begun lacks everything, which nobody needs to be told.
         let problems = if self.editor.path().is_file() { self.editor.problems().len() } else { 0 };
         let title = document.set.title();
@@ -218,6 +223,7 @@ impl Session {
         self.disk = None;
         self.is_open = false;
         self.changed_on_disk = false;
+        self.said_not_kept = false;
         self.views = Views::default();
         self.surfaces = Surfaces::default();
         self.reference = Reference::default();
@@ -231,6 +237,14 @@ impl Session {
         }
     }
 
+    /// Says once for a set why the window's settings and views are not kept beside it.
+    fn say_not_kept(&mut self, reason: Option<WriteError>) {
+        if let Some(reason) = reason.filter(|_| !self.said_not_kept) {
+            self.said_not_kept = true;
+            self.log.add(Level::Warning, format!("how the window shows and solves this set is not kept: {reason}"));
+        }
+    }
+
     /// Writes the preferences; a system that keeps none is told once in the log.
     pub fn remember(&mut self) {
         if let Err(error) = self.preferences.write(&self.folders.preferences.clone()) {
@@ -241,8 +255,9 @@ impl Session {
     /// Saves the document in its file.
     pub fn save(&mut self) {
         match self.editor.save() {
-            Ok(()) => {
+            Ok(not_kept) => {
                 self.saved_all();
+                self.say_not_kept(not_kept);
                 self.keep_layout();
                 self.changed_on_disk = false;
                 self.done(format!("Saved {}", self.editor.path().display()));
@@ -261,7 +276,8 @@ impl Session {
     /// Saves the document into another folder, whose set it is from now on.
     pub fn save_as(&mut self, folder: &Path) {
         match self.editor.save_as(folder) {
-            Ok(()) => {
+            Ok(not_kept) => {
+                self.say_not_kept(not_kept);
                 self.disk = Some(DiskWatch::new(self.editor.path().to_owned(), self.jobs.wake()));
                 self.saved_all();
                 self.preferences.opened(folder);

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::OutputFolder;
+use firstbounce_capture::atomic::{OutputFolder, OutputRules};
 use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
 use include_dir::{Dir, include_dir};
 
-use super::solve::{OUTPUT_FOLDER, solve_into, summary};
+use super::solve::{default_place, solve_into, summary};
 use crate::app::{self, Start};
 
 use super::{PrintArgs, print, print_json, print_warnings};
@@ -30,7 +30,7 @@ pub struct DemoArgs {
 
 /// Runs the command.
 pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
-    let folder = args.out.clone().unwrap_or_else(|| Path::new(OUTPUT_FOLDER).join("demo"));
+    let folder = args.out.clone().map_or_else(|| default_place("demo"), Ok)?;
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
     let report = solve_into(&set, &folder, &SolveOptions::default(), &OutputOptions::default())?;
     print_warnings(&report.warnings);
@@ -44,10 +44,11 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
 /// Puts the demo set into `folder`, where a person can look at it and change it: what is there already stays. Returns the
 /// folder.
 pub fn unpack(folder: &Path) -> anyhow::Result<&Path> {
-    let output = OutputFolder::stage(folder)?;
+    let rules = OutputRules { guarded: None, is_output: |name| DEMO.get_file(name).is_some() };
+    let output = OutputFolder::stage_with(folder, rules)?;
     let mut pending = vec![&DEMO];
     while let Some(dir) = pending.pop() {
-        for file in dir.files().filter(|file| !folder.join(file.path()).exists()) {
+        for file in dir.files().filter(|file| !output.target().join(file.path()).exists()) {
             std::fs::write(output.file(file.path())?, file.contents())?;
         }
         pending.extend(dir.dirs());

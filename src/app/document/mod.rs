@@ -11,7 +11,7 @@ mod tests;
 use firstbounce_capture::CaptureSet;
 
 pub use disk::{DiskWatch, SaveError, VIEW_FILE, relocated};
-pub(crate) use disk::{read_view, write_view};
+pub(crate) use disk::{kept_view, read_view, write_view};
 pub use editor::Editor;
 pub use recovery::{Recovered, Recovery, save_everything_now};
 pub use reference::{Pose, Poses, ReferenceSettings, ReferenceSource};

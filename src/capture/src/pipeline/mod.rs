@@ -5,6 +5,7 @@ mod compare;
 mod cost;
 mod error;
 mod evaluate;
+mod file_names;
 mod load;
 mod nayar;
 mod output;
@@ -25,7 +26,7 @@ pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, NayarErrors, NayarIteration, NormalErrors, evaluate};
 pub use load::{ObjectPhotos, SubjectPhotos, load_object, load_subject};
 pub use nayar::{AlbedoScale, Beginning, Method, NayarSolved, in_one_colour, simulate_away, white_light};
-pub use output::{OutputOptions, write_solved};
+pub use output::{OutputOptions, is_result_name, stage_results, write_solved};
 pub use solve::{
     Direct, Separated, SolveOptions, Solved, Surfaced, camera_of, lamps, quiet_lights, raw_lights, recover,
     separate_lights, solve, triangulate,

@@ -32,6 +32,7 @@ pub(crate) use number::{is_vector, vector_words};
 pub use problem::{Location, Problem, SetError, TextPosition};
 pub use read::{FILE_NAME, Reading};
 pub use rig::CarriedRig;
+pub(crate) use rule::is_usable_name;
 pub use table::{ShotCell, ShotRow, ShotTable};
 pub use word::Word;
 pub use write::{update_text, write_calibration};

@@ -27,6 +27,11 @@ pub(super) fn unusable_name(name: &str) -> Option<String> {
     Some(format!("{name:?} names output files too, and they cannot hold {culprit:?}; choose another name"))
 }
 
+/// Whether `name` can stand in the name of an output file.
+pub(crate) fn is_usable_name(name: &str) -> bool {
+    unusable_name(name).is_none()
+}
+
 /// The known word that a misspelt one was probably meant to be.
 pub(super) fn nearest<'w>(found: &str, known: impl IntoIterator<Item = &'w str>) -> Option<&'w str> {
     let letters = found.chars().count();
