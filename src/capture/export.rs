@@ -1,23 +1,41 @@
 //! Results to files.
 
 mod earlier;
+mod file_names;
 mod lights;
 mod meshes;
+mod names;
 mod options;
+#[cfg(test)]
+mod tests;
 
 use std::path::{Path, PathBuf};
 
 use firstbounce_core::{NormalMap, Plane};
 use indexmap::IndexMap;
 
-use crate::atomic::{OutputFolder, WriteError};
+use crate::atomic::{OutputFolder, OutputRules, WriteError};
 use crate::image_file::{ExrLayer, ImageError, depth_png, normals_png, write_exr};
 use crate::pipeline::{Part, PipelineError, PipelineWatch, Solved, Stage, StageCost, Surface, camera_of};
 use crate::report::{ExportRecord, Report, html, overview, unit_word};
 use crate::set::CaptureSet;
 
 use earlier::Earlier;
+pub use file_names::is_one_of;
+use file_names::{SURFACES, filled};
+pub use names::is_result_name;
+use names::{
+    ALBEDO, BOUNCE, BOUNCES, DEPTH, DEPTH_PNG, NORMAL_NOISE, NORMALS_EXR, NORMALS_PNG, OVERVIEW, PAGE, REPORT,
+};
 pub use options::OutputOptions;
+
+/// Stages results of `set` for the folder `target`, where a set from elsewhere may have links of any name.
+///
+/// # Errors
+/// As [`OutputFolder::stage_with`].
+pub fn stage_results(set: &CaptureSet, target: &Path) -> Result<OutputFolder, WriteError> {
+    OutputFolder::stage_with(target, OutputRules { guarded: Some(&set.folder), is_output: is_result_name })
+}
 
 /// Writes every result into `folder`, which was staged before the work began so that an unwritable one is known early, and
 /// returns the report that lies there too. Until all of it is written, nothing in the folder changes.
@@ -27,32 +45,42 @@ pub use options::OutputOptions;
 pub fn write_solved(
     set: &CaptureSet,
     solved: &Solved,
-    mut folder: OutputFolder,
+    folder: OutputFolder,
     options: &OutputOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Report, PipelineError> {
     options.check()?;
-    let earlier = Earlier::of(folder.target());
-    earlier.retire(&mut folder);
     let mut stages = solved.stages.clone();
     let mut files = Files { folder, written: IndexMap::new() };
     let written = StageCost::measure(&mut stages, Stage::Write, || write_results(solved, &mut files, options, watch));
     let export = written?;
 
-    let path = files.add("overview.png", "photo, bounces of the first light, normals before and after")?;
+    let path = files.add(OVERVIEW, "photo, bounces of the first light, normals before and after")?;
     write_bytes(&path, &overview(solved).png()?)?;
-    files.note("report.json", "every number of this run");
-    files.note("report.html", "this run on one page, with pictures");
-    earlier.check(set, &files.folder, files.written.keys())?;
+    files.note(REPORT, "every number of this run");
+    files.note(PAGE, "this run on one page, with pictures");
     let report = Report::new(solved, stages, options.green, export, files.written.clone());
     let json = serde_json::to_string_pretty(&report).map_err(PipelineError::Json)?;
-    write_text(&files.folder.file("report.json")?, &(json + "\n"))?;
-    write_text(&files.folder.file("report.html")?, &html(solved, &report)?)?;
+    write_text(&files.folder.file(REPORT)?, &(json + "\n"))?;
+    write_text(&files.folder.file(PAGE)?, &html(solved, &report)?)?;
     if watch.cancelled() {
         return Err(PipelineError::Cancelled);
     }
-    files.folder.commit()?;
+    commit_results(set, files.folder, files.written.keys())?;
     Ok(report)
+}
+
+/// Moves the staged files, which have these names, to their folder, and takes away what else an earlier run left there.
+fn commit_results<'n>(
+    set: &CaptureSet,
+    folder: OutputFolder,
+    names: impl Iterator<Item = &'n String> + Clone,
+) -> Result<(), WriteError> {
+    folder.commit_after(|target| {
+        let earlier = Earlier::of(target);
+        earlier.check(set, target, names.clone())?;
+        Ok(earlier.untouched(target))
+    })
 }
 
 /// The staged files, and what each is.
@@ -65,6 +93,7 @@ impl Files {
     /// Where to write `name`, which is `what`.
     fn add(&mut self, name: impl Into<String>, what: impl Into<String>) -> Result<PathBuf, WriteError> {
         let name = name.into();
+        debug_assert!(is_result_name(&name), "{name} is missing in the table of names");
         let path = self.folder.file(&name)?;
         self.written.insert(name, what.into());
         Ok(path)
@@ -88,8 +117,9 @@ fn write_results(
         step(watch, l, count)?;
     }
     lights::write_lights(set, &solved.calibrated, options, files)?;
+    let [after, before] = SURFACES;
     let surfaces =
-        [(solved.after.as_ref().ok(), "", ""), (solved.before.as_ref(), "-raw", " from the photos as they are")];
+        [(solved.after.as_ref().ok(), after, ""), (solved.before.as_ref(), before, " from the photos as they are")];
     let unit = surfaces.iter().find_map(|(surface, ..)| surface.map(|surface| surface.mesh.unit));
     let mut export = options::record(options, unit);
     for (index, (surface, suffix, origin)) in (count - 2..).zip(surfaces) {
@@ -124,12 +154,13 @@ fn write_bounces(solved: &Solved, l: usize, light: &str, files: &mut Files) -> R
         .filter_map(|(name, plane)| Some(ExrLayer { name, channels: vec![("Y", plane?)] }))
         .collect();
     let path = files.add(
-        format!("bounces-{light}.exr"),
+        filled(BOUNCES, &[("light", light)]),
         format!("light {light}: a layer for each bounce, the noise of bounce 1, the residual, the marks"),
     )?;
     write_exr(&path, &layers)?;
     for (k, bounce) in (1..).zip(&separation.bounces) {
-        let path = files.add(format!("bounce{k}-{light}.exr"), format!("bounce {k} under light {light}"))?;
+        let name = filled(BOUNCE, &[("k", &format!("{k}")), ("light", light)]);
+        let path = files.add(name, format!("bounce {k} under light {light}"))?;
         write_exr(&path, &[ExrLayer { name: "light", channels: vec![("Y", bounce)] }])?;
     }
     Ok(())
@@ -145,21 +176,22 @@ fn write_surface(
 ) -> Result<(), PipelineError> {
     let Surface { shape, mesh } = surface;
     let map: &NormalMap = &shape.normals.map;
-    let path = files.add(format!("normals{suffix}.png"), format!("normals{origin}, 16 bits"))?;
+    let named = |pattern: &str| filled(pattern, &[("surface", suffix)]);
+    let path = files.add(named(NORMALS_PNG), format!("normals{origin}, 16 bits"))?;
     write_bytes(&path, &normals_png([map.x(), map.y(), map.z()], options.green)?)?;
-    let path = files.add(format!("normals{suffix}.exr"), format!("normals{origin}: R G B = x y z, y up"))?;
+    let path = files.add(named(NORMALS_EXR), format!("normals{origin}: R G B = x y z, y up"))?;
     write_exr(&path, &[ExrLayer { name: "normals", channels: vec![("R", map.x()), ("G", map.y()), ("B", map.z())] }])?;
     let grey = [
-        ("albedo", &shape.normals.albedo, "albedo"),
-        ("normal-noise", &shape.normals.noise_deg, "predicted noise of the normals in degrees"),
-        ("depth", &shape.depth.depth_mm, "depth toward the camera, in the mesh's unit"),
+        (ALBEDO, "albedo", &shape.normals.albedo, "albedo"),
+        (NORMAL_NOISE, "normal-noise", &shape.normals.noise_deg, "predicted noise of the normals in degrees"),
+        (DEPTH, "depth", &shape.depth.depth_mm, "depth toward the camera, in the mesh's unit"),
     ];
-    for (name, plane, what) in grey {
-        let path = files.add(format!("{name}{suffix}.exr"), format!("{what}{origin}"))?;
+    for (pattern, name, plane, what) in grey {
+        let path = files.add(named(pattern), format!("{what}{origin}"))?;
         write_exr(&path, &[ExrLayer { name, channels: vec![("Y", plane)] }])?;
     }
     if options.depth_png {
-        let name = format!("depth{suffix}.png");
+        let name = named(DEPTH_PNG);
         let (png, scale) = depth_png(&shape.depth.depth_mm, &shape.depth.mask, unit_word(mesh.unit))?;
         write_bytes(&files.add(&name, format!("depth{origin}, 16 bits: {}", scale.words()))?, &png)?;
         export.depth_png.insert(name, scale);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::atomic::write_file;
+use firstbounce_capture::atomic::write_kept_file;
 use firstbounce_capture::light_file::{CarriedLights, LightFile};
 use firstbounce_capture::pipeline::{Calibrated, Preference, Source, calibrate};
 use firstbounce_capture::report::{CalibrationRecord, Row};
@@ -75,7 +75,7 @@ fn write(set: &CaptureSet, calibrated: &Calibrated) -> anyhow::Result<()> {
     let old = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let circles: Vec<_> = calibrated.circles.iter().map(|ball| ball.sphere).collect();
     let new = write_calibration(&old, &calibrated.values(set), &circles)?;
-    Ok(write_file(&path, new.as_bytes())?)
+    Ok(write_kept_file(&path, new.as_bytes())?)
 }
 
 fn text(words: &CalibrationRecord) -> String {

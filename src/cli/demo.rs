@@ -7,7 +7,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::export::OutputOptions;
 use firstbounce_capture::pipeline::SolveOptions;
 
-use super::solve::{OUTPUT_FOLDER, solve_into, summary};
+use super::solve::{default_place, solve_into, summary};
 use super::{PrintArgs, print, print_json, print_warnings, window};
 use crate::demo::unpack;
 
@@ -25,7 +25,7 @@ pub struct DemoArgs {
 
 /// Runs the command.
 pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
-    let folder = args.out.clone().unwrap_or_else(|| Path::new(OUTPUT_FOLDER).join("demo"));
+    let folder = args.out.clone().map_or_else(|| default_place("demo"), Ok)?;
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
     let report = solve_into(&set, &folder, &SolveOptions::of(&set.shape), &OutputOptions::default())?;
     print_warnings(&report.warnings);

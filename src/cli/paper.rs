@@ -7,7 +7,7 @@ use firstbounce_capture::OutputFolder;
 use firstbounce_lab::{PaperOptions, PaperRecord, PaperRowRecord, paper, paper_html};
 
 use super::progress::Terminal;
-use super::solve::OUTPUT_FOLDER;
+use super::solve::default_place;
 use super::table::{row, table};
 use super::{PrintArgs, print, print_json};
 
@@ -31,7 +31,7 @@ fn html_path(text: &str) -> Result<PathBuf, String> {
 
 /// Runs the command.
 pub fn run(args: &PaperArgs) -> anyhow::Result<()> {
-    let page = args.out.clone().unwrap_or_else(|| Path::new(OUTPUT_FOLDER).join("paper.html"));
+    let page = args.out.clone().map_or_else(|| default_place("paper.html"), Ok)?;
     // Before the work, so that a folder that cannot be written is known at once.
     let folder = page.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let output = OutputFolder::stage(folder)?;

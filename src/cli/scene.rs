@@ -120,7 +120,7 @@ impl SceneArgs {
             name: format!("Simulated {}", scene.name()),
             scene,
             patches: self.patches,
-            memory_limit_bytes: self.memory << 20,
+            memory_limit_bytes: self.memory.saturating_mul(1 << 20),
             colours: if self.colours.is_empty() { SimulateOptions::colour_names(count) } else { self.colours.clone() },
             lamps: self.lamps()?,
             lens: self.perspective.map_or(Lens::Orthographic, |mm| Lens::Perspective { working_distance_mm: mm }),

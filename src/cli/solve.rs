@@ -1,13 +1,15 @@
 //! `firstbounce solve SET`
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use firstbounce_capture::export::{OutputOptions, write_solved};
+use firstbounce_capture::CaptureSet;
+use firstbounce_capture::atomic::{WriteError, refuse_links};
+use firstbounce_capture::export::{OutputOptions, stage_results, write_solved};
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, solve};
 use firstbounce_capture::report::{NayarRecord, Report};
-use firstbounce_capture::{CaptureSet, OutputFolder};
 use firstbounce_core::methods::by_shape::ByShapeOptions;
 
 use super::output::OutputArgs;
@@ -16,7 +18,7 @@ use super::table::{row, table};
 use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
 
 /// Folder for results whose place nobody names.
-pub const OUTPUT_FOLDER: &str = "out";
+const OUTPUT_FOLDER: &str = "out";
 
 #[derive(Args, Debug)]
 pub struct SolveArgs {
@@ -113,7 +115,7 @@ impl MethodArgs {
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let set = CaptureSet::open(&args.set.path)?;
     let options = args.method.options(&set)?;
-    let folder = args.out.clone().unwrap_or_else(|| default_folder(&set));
+    let folder = args.out.clone().map_or_else(|| default_folder(&set), Ok)?;
     let report = solve_into(&set, &folder, &options, &args.output.options())?;
     print_warnings(&report.warnings);
     if args.print.json {
@@ -136,7 +138,7 @@ pub fn solve_into(
     output_options: &OutputOptions,
 ) -> anyhow::Result<Report> {
     output_options.check()?;
-    let output = OutputFolder::stage(folder)?;
+    let output = stage_results(set, folder)?;
     let terminal = Terminal::attend();
     let solved = solve(set, options, &terminal);
     let report = solved.and_then(|solved| write_solved(set, &solved, output, output_options, &terminal));
@@ -144,10 +146,16 @@ pub fn solve_into(
     Ok(report?)
 }
 
-fn default_folder(set: &CaptureSet) -> PathBuf {
+fn default_folder(set: &CaptureSet) -> Result<PathBuf, WriteError> {
     let folder = std::path::absolute(&set.folder).unwrap_or_else(|_| set.folder.clone());
-    let name = folder.file_name().map_or_else(|| "set".into(), ToOwned::to_owned);
-    Path::new(OUTPUT_FOLDER).join(name)
+    default_place(folder.file_name().unwrap_or(OsStr::new("set")))
+}
+
+/// A place in the default folder. The user has not named it: links there may have come with a set.
+pub fn default_place(name: impl AsRef<Path>) -> Result<PathBuf, WriteError> {
+    let place = Path::new(OUTPUT_FOLDER).join(name);
+    refuse_links(Path::new("."), &place)?;
+    Ok(place)
 }
 
 /// What a person wants to know when it is done.

@@ -42,6 +42,7 @@ pub mod image;
 pub mod interval;
 pub mod length;
 pub mod light;
+mod linear_algebra;
 pub mod mesh;
 #[doc = include_str!("METHOD.md")]
 pub mod method {}

@@ -7,19 +7,21 @@ use super::LabError;
 use firstbounce_core::Plane;
 use firstbounce_core::options::check_range;
 
+const MAX_SHARE: f64 = 100.0;
+
 /// What each channel (row) sees of each lamp colour (column) when all colours flash at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crosstalk(DMatrix<f64>);
 
 impl Crosstalk {
-    /// A square matrix of finite numbers.
+    /// A square matrix of numbers up to 100: what is seen of a lamp is about as strong as the lamp.
     pub fn new(matrix: DMatrix<f64>) -> Result<Self, LabError> {
         if !matrix.is_square() {
             let (rows, columns) = matrix.shape();
             return Err(LabError::CrosstalkShape { rows, columns, colours: rows });
         }
         for &entry in &matrix {
-            check_range("crosstalk", entry, entry.is_finite(), "finite")?;
+            check_range("crosstalk", entry, (-MAX_SHARE..=MAX_SHARE).contains(&entry), "from -100 to 100")?;
         }
         Ok(Self(matrix))
     }

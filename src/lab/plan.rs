@@ -71,15 +71,14 @@ impl PlanOptions {
     pub fn check(&self) -> Result<(), LabError> {
         let positive = |value: f64| value > 0.0 && value.is_finite();
         self.sensor.check()?;
-        let in_range = self.brightest > 0.0 && self.brightest <= 1.0;
-        check_range("brightest", self.brightest, in_range, "above 0 and at most 1")?;
+        check_range("brightest", self.brightest, (1e-6..=1.0).contains(&self.brightest), "from 1e-6 to 1")?;
         let white = self.white.unwrap_or(1.0);
-        check_range("white", white, positive(white), "more than 0")?;
+        check_range("white", white, (1e-9..=1e9).contains(&white), "from 1e-9 to 1e9")?;
         for &frames in &self.frames {
             check_range("frames", frames as f64, (1..=10_000).contains(&frames), "1 to 10000")?;
         }
         for &ratio in &self.ratios {
-            check_range("ratio", ratio, positive(ratio), "more than 0")?;
+            check_range("ratio", ratio, (1e-4..=1e4).contains(&ratio), "from 0.0001 to 10000")?;
         }
         let in_range = (1..=self.albedos.len()).contains(&self.bounces);
         check_range("bounces", self.bounces as f64, in_range, "1 to the number of albedos")?;

@@ -11,6 +11,8 @@ use firstbounce_core::{Photo, Plane};
 
 /// The largest finite full well: its noise is far below a step of 16 bits, and its photons can still be counted out.
 const MAX_ELECTRONS: f64 = 1e15;
+/// No sensor that shows a picture has more.
+const MAX_READ_NOISE: f64 = 1e4;
 
 /// A sensor whose stored values run from 0 to `2^bits - 1`, where it clips.
 ///
@@ -65,16 +67,15 @@ impl Sensor {
     /// Whether every number is in its range.
     pub fn check(&self) -> Result<(), LabError> {
         let (full_well, read_noise) = (self.full_well_electrons, self.read_noise_electrons);
-        let in_range = full_well > 0.0 && (full_well <= MAX_ELECTRONS || full_well.is_infinite());
-        check_range("full_well_electrons", full_well, in_range, "above 0 and at most 1e15, or inf for no noise")?;
-        let in_range = read_noise.is_finite() && read_noise >= 0.0;
-        check_range("read_noise_electrons", read_noise, in_range, "0 or more")?;
+        let in_range = full_well >= 1.0 && (full_well <= MAX_ELECTRONS || full_well.is_infinite());
+        check_range("full_well_electrons", full_well, in_range, "from 1 to 1e15, or inf for no noise")?;
+        check_range("read_noise_electrons", read_noise, (0.0..=MAX_READ_NOISE).contains(&read_noise), "0 to 10000")?;
+        check_range("read_noise_electrons", read_noise, read_noise < full_well, "less than full_well_electrons")?;
         check_range("bits", f64::from(self.bits), (1..=16).contains(&self.bits), "1 to 16")?;
         let in_range = self.black_level >= 0.0 && self.black_level < self.white_level();
         let range = "0 or more and below the white level 2^bits - 1";
         check_range("black_level", self.black_level, in_range, range)?;
-        let in_range = self.exposure.is_finite() && self.exposure > 0.0;
-        check_range("exposure", self.exposure, in_range, "more than 0")?;
+        check_range("exposure", self.exposure, (1e-9..=1e9).contains(&self.exposure), "from 1e-9 to 1e9")?;
         Ok(check_range("frames", self.frames as f64, (1..=10_000).contains(&self.frames), "1 to 10000")?)
     }
 

@@ -10,6 +10,7 @@ mod format_page;
 mod lab;
 mod nayar;
 mod no_window;
+mod numbers;
 mod run;
 mod shared_sets;
 mod solve;

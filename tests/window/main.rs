@@ -12,6 +12,7 @@ mod harness;
 mod inspector;
 mod keyboard;
 mod nayar;
+mod numbers;
 mod results;
 mod rig;
 mod screenshots;

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{Button, CollapsingHeader, DragValue, RichText, Role, Ui, WidgetInfo};
-use firstbounce_capture::OutputFolder;
-use firstbounce_capture::export::{OutputOptions, write_solved};
+use firstbounce_capture::export::{OutputOptions, stage_results, write_solved};
 use firstbounce_capture::image_file::{GreenAxis, GreyBits};
 use firstbounce_capture::mesh_file::{Axes, OutputFormat};
 use firstbounce_capture::pipeline::camera_of;
@@ -140,7 +139,7 @@ impl Export {
             let folder = PathBuf::from(self.folder.text.trim());
             let (set, target, options) = (document.set.clone(), folder.clone(), document.settings.export.clone());
             let task = session.jobs.start("Write results", move |job| {
-                let output = OutputFolder::stage(target).map_err(|error| error.to_string())?;
+                let output = stage_results(&set, &target).map_err(|error| error.to_string())?;
                 write_solved(&set, &finished, output, &options, job).map_err(|error| error.to_string())
             });
             self.writing = Some((folder, task));

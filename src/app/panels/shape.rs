@@ -91,7 +91,7 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
     Grid::new("shape options").num_columns(2).show(ui, |ui| {
         let mut percent = |ui: &mut Ui, label: &str, hover: &str, share: &mut f64| {
             let name = ui.label(label).on_hover_text(hover);
-            let field = number_field::percent(share, 1).range(0.0..=0.99).speed(0.001);
+            let field = number_field::percent(share, 1, Number::ShadowShare.range()).speed(0.001);
             if ui.add(field).labelled_by(name.id).changed() {
                 changed = Some(format!("Change {}", label.to_lowercase()));
             }
@@ -118,9 +118,16 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
             ui.end_row();
         };
         let near = "How often near lamps are placed anew over the depth; distant lamps need one round";
-        whole(ui, "Rounds for near lamps", near, "", &mut settings.rounds, 1..=10);
+        whole(ui, "Rounds for near lamps", near, "", &mut settings.rounds, Number::Rounds.whole_range());
         let window = "Half width of the window in which the noise of indirect light is averaged; 0 for none";
-        whole(ui, "Indirect window", window, " px", &mut settings.indirect_window_px, 0..=64);
+        whole(
+            ui,
+            "Indirect window",
+            window,
+            " px",
+            &mut settings.indirect_window_px,
+            Number::IndirectWindowPx.whole_range(),
+        );
     });
     if let Some(name) = changed {
         session.edit(&name, |document| document.set.shape = settings);

@@ -11,6 +11,8 @@ pub struct SetFile {
     pub(in crate::app) recovery: Recovery,
     /// Whether another program has changed the file.
     pub(in crate::app) changed_on_disk: bool,
+    /// Whether it was said that nothing is kept beside this set.
+    pub(super) said_not_kept: bool,
     disk: Option<DiskWatch>,
     is_open: bool,
     opened: u64,
@@ -24,6 +26,7 @@ impl SetFile {
         Self {
             recovery: Recovery::new(folders.recovery.clone()),
             changed_on_disk: false,
+            said_not_kept: false,
             disk: None,
             is_open: false,
             opened: 0,
@@ -54,6 +57,7 @@ impl SetFile {
         self.disk = None;
         self.is_open = false;
         self.changed_on_disk = false;
+        self.said_not_kept = false;
     }
 
     /// Nothing is left to recover.

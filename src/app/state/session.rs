@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use firstbounce_capture::atomic::WriteError;
+use firstbounce_capture::WriteError;
 use firstbounce_capture::set::{Location, Problem, SetError};
 use thiserror::Error;
 
-use super::document::{Document, Editor, Recovered, read_view, save_everything_now, write_view};
+use super::document::{Document, Editor, Recovered, kept_view, read_view, save_everything_now, write_view};
 use super::file::SetFile;
 use super::layout::{Shown, Views};
 use super::log::{Level, Log};
@@ -186,6 +186,7 @@ impl Session {
             .and_then(Views::from_json)
             .unwrap_or_else(|| Views::showing(first_view(&document)));
         self.panel = PanelName::Captures;
+        self.say_not_kept(kept_view(folder).err());
         // A set that has just begun lacks everything, which nobody needs to be told.
         let problems = if self.editor.path().is_file() { self.editor.problems().len() } else { 0 };
         let title = document.set.title();
@@ -222,6 +223,13 @@ impl Session {
         }
     }
 
+    /// Says once for a set why the window's settings and views are not kept beside it.
+    fn say_not_kept(&mut self, reason: Option<WriteError>) {
+        if let Some(reason) = reason.filter(|_| !std::mem::replace(&mut self.file.said_not_kept, true)) {
+            self.log.add(Level::Warning, format!("how the window shows and solves this set is not kept: {reason}"));
+        }
+    }
+
     /// Writes the preferences; a system that keeps none is told once in the log.
     pub fn remember(&mut self) {
         if let Err(error) = self.preferences.write(&self.system.folders.preferences) {
@@ -232,8 +240,9 @@ impl Session {
     /// Saves the document in its file.
     pub fn save(&mut self) {
         match self.editor.save() {
-            Ok(()) => {
+            Ok(not_kept) => {
                 self.file.saved(&self.editor);
+                self.say_not_kept(not_kept);
                 self.keep_layout();
                 self.done(format!("Saved {}", self.editor.path().display()));
             }
@@ -244,8 +253,9 @@ impl Session {
     /// Saves the document into another folder, whose set it is from now on.
     pub fn save_as(&mut self, folder: &Path) {
         match self.editor.save_as(folder) {
-            Ok(()) => {
+            Ok(not_kept) => {
                 self.file.saved_elsewhere(&self.editor, self.jobs.wake());
+                self.say_not_kept(not_kept);
                 self.preferences.opened(folder);
                 self.remember();
                 self.keep_layout();

@@ -7,7 +7,7 @@ use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::picture::{Picture, outdated, picture};
 use super::{Canvases, Over, Overlay, picker};
-use crate::app::state::layout::{Arrange, Hover, Shown, View};
+use crate::app::state::layout::{Arrange, Hover, Look, Shown, View};
 use crate::app::state::session::Session;
 use crate::app::views::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
 use crate::app::views::surface;
@@ -129,7 +129,7 @@ fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
         ui.horizontal(|ui| {
             for (end, name) in ends.iter_mut().zip(["Low end", "High end"]) {
                 let label = ui.label(name);
-                ui.add(up_to(end, 5).speed(speed)).labelled_by(label.id);
+                ui.add(up_to(end, 5, Look::ENDS).speed(speed)).labelled_by(label.id);
             }
         });
     });
@@ -139,13 +139,13 @@ fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
 fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
     let look = &mut view.look;
     let exposure = ui.label("Exposure");
-    ui.add(up_to(&mut look.exposure_stops, 2).speed(0.05).range(-20.0..=20.0).suffix(" stops"))
+    ui.add(up_to(&mut look.exposure_stops, 2, Look::EXPOSURE_STOPS).speed(0.05).suffix(" stops"))
         .labelled_by(exposure.id);
     let mut gamma = look.gamma.unwrap_or(2.2);
     ui.horizontal(|ui| {
         let mut own = look.gamma.is_some();
         let name = ui.checkbox(&mut own, "Gamma instead of the sRGB curve");
-        ui.add_enabled(own, up_to(&mut gamma, 2).speed(0.02).range(0.2..=5.0)).labelled_by(name.id);
+        ui.add_enabled(own, up_to(&mut gamma, 2, Look::GAMMA).speed(0.02)).labelled_by(name.id);
         look.gamma = own.then_some(gamma);
     });
     ui.separator();

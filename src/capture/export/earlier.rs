@@ -1,16 +1,17 @@
-//! What lies in the folder already: an earlier run's files, and a person's.
+//! What lies in the folder already: an earlier run's files, and the user's.
 
 use std::collections::HashSet;
-use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use serde_json::Value;
 
-use crate::atomic::{OutputFolder, WriteError};
+use super::names::{REPORT, is_result_name};
+use crate::atomic::{WriteError, is_plain_file};
+use crate::open::read_text;
 use crate::set::CaptureSet;
 
-/// What an earlier run wrote, by its `report.json`.
+/// What an earlier run wrote, by its `report.json`. The folder may have come with a set, and the report say anything.
 #[derive(Default)]
 pub struct Earlier {
     files: HashSet<String>,
@@ -20,27 +21,29 @@ pub struct Earlier {
 impl Earlier {
     /// What lies in `folder`; nothing where no report of this program does.
     pub fn of(folder: &Path) -> Self {
-        let report = folder.join("report.json");
-        let text = fs::read_to_string(&report).unwrap_or_default();
+        let report = folder.join(REPORT);
+        if !is_plain_file(&report) {
+            return Self::default();
+        }
+        let text = read_text(&report).unwrap_or_default();
         let words: Value = serde_json::from_str(&text).unwrap_or_default();
         if !words["program"].as_str().is_some_and(|program| program.starts_with("Firstbounce ")) {
             return Self::default();
         }
         let names = words["files"].as_object().into_iter().flatten().map(|(name, _)| name.clone());
-        let inside = |name: &String| Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
-        Self { files: names.filter(inside).collect(), written: modified(&report) }
+        Self { files: names.filter(|name| is_result_name(name)).collect(), written: modified(&report) }
     }
 
-    /// Makes sure that no file of a person is replaced: neither one that no run wrote, nor a photo of the set itself.
+    /// Makes sure that no file of the user is replaced: neither one that no run wrote, nor a photo of the set itself.
     pub fn check<'a>(
         &self,
         set: &CaptureSet,
-        folder: &OutputFolder,
+        folder: &Path,
         names: impl Iterator<Item = &'a String>,
     ) -> Result<(), WriteError> {
         let of_set: HashSet<PathBuf> = set_files(set).filter_map(|path| path.canonicalize().ok()).collect();
         for name in names {
-            let path = folder.target().join(name);
+            let path = folder.join(name);
             let Ok(there) = path.canonicalize() else { continue };
             if !self.files.contains(name) || of_set.contains(&there) {
                 return Err(WriteError::NotOurs { path });
@@ -49,12 +52,11 @@ impl Earlier {
         Ok(())
     }
 
-    /// Has the commit take away what the earlier run wrote and this one does not: a mesh of a format that is no longer
-    /// wanted would show another surface than the report. What was changed since is somebody's work and stays.
-    pub fn retire(&self, folder: &mut OutputFolder) {
-        let untouched = |name: &&String| modified(&folder.target().join(name)) <= self.written;
-        let retired: Vec<_> = self.files.iter().filter(untouched).cloned().collect();
-        retired.into_iter().for_each(|name| folder.retire(name));
+    /// What the earlier run wrote, to be taken away where this one does not write it: a mesh of a format that is no longer
+    /// wanted would show another surface than the report. What was changed since is the user's work and stays.
+    pub fn untouched(&self, folder: &Path) -> Vec<String> {
+        let untouched = |name: &&String| modified(&folder.join(name)) <= self.written;
+        self.files.iter().filter(untouched).cloned().collect()
     }
 }
 
@@ -65,5 +67,5 @@ fn set_files(set: &CaptureSet) -> impl Iterator<Item = PathBuf> {
 }
 
 fn modified(path: &Path) -> Option<SystemTime> {
-    path.metadata().ok()?.modified().ok()
+    path.symlink_metadata().ok()?.modified().ok()
 }

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::file_names::filled;
+use super::names::{LIGHTS, LIGHTS_OF_COLOUR};
 use super::{Files, OutputOptions, write_text};
 use crate::light_file::{LightFile, LightLine};
 use crate::pipeline::{Calibrated, Known, PipelineError};
@@ -20,7 +22,7 @@ pub(super) fn write_lights(
         if lights.lines.is_empty() {
             continue;
         }
-        let name = if c == 0 { "lights.lp".to_owned() } else { format!("lights-{}.lp", colour.name) };
+        let name = if c == 0 { LIGHTS.to_owned() } else { filled(LIGHTS_OF_COLOUR, &[("colour", &colour.name)]) };
         let what = format!(
             "directions to the lights of the object's {} photos, which it names by paths from the set's folder",
             colour.name

@@ -3,6 +3,8 @@
 use firstbounce_core::mesh::decimate::{DecimateOptions, Decimated, decimate};
 use firstbounce_core::{Camera, Mesh, Plane};
 
+use super::file_names::filled;
+use super::names::{MATERIAL, MESH, TEXTURE};
 use super::{Files, OutputOptions, write_bytes, write_text};
 use crate::image_file::{GreyBits, texture_png};
 use crate::mesh_file::{Embedded, Material, MeshContents, OutputFormat, Quality, write_mesh};
@@ -39,7 +41,7 @@ pub(super) fn write_meshes(
     let texture = |bits| texture_png(&albedo, &surface.shape.depth.mask, bits);
     let uv = places(&pixels, camera.size);
     let noise = values_at(&pixels, &surface.shape.normals.noise_deg);
-    let library = format!("mesh{suffix}.mtl");
+    let library = filled(MATERIAL, &[("surface", suffix)]);
     for &format in &options.formats {
         let mut contents = MeshContents { axes: options.axes, ..MeshContents::of(mesh) };
         let picture;
@@ -47,7 +49,7 @@ pub(super) fn write_meshes(
             (OutputFormat::Obj, Some(bits)) => {
                 let material = Material { library: &library, name: "albedo", uv: &uv };
                 contents.material = Some(material);
-                let name = format!("albedo{suffix}.png");
+                let name = filled(TEXTURE, &[("surface", suffix)]);
                 let text = material.library_text(&name);
                 write_text(&files.add(&library, format!("material of mesh{suffix}.obj"))?, &text)?;
                 write_bytes(
@@ -62,7 +64,7 @@ pub(super) fn write_meshes(
             (OutputFormat::Ply, _) => contents.quality = Some(Quality { values: &noise, meaning: QUALITY }),
             _ => {}
         }
-        let name = format!("mesh{suffix}.{}", format.extension());
+        let name = filled(MESH, &[("surface", suffix), ("format", format.extension())]);
         let what = what(format, mesh, origin, options);
         write_mesh(&files.add(name, what)?, format, &contents)?;
     }

@@ -128,6 +128,19 @@ pub enum ImageError {
         /// What it must be.
         expected: &'static str,
     },
+    /// Levels between which a file's encoding leaves no light.
+    #[error(
+        "{}: between black_level {black} and white_level {white} its encoding leaves no light that can be computed; \
+         correct them under [camera], or the encoding", path.display()
+    )]
+    Levels {
+        /// The file.
+        path: PathBuf,
+        /// The stored value at no light.
+        black: f32,
+        /// The stored value where it clips.
+        white: f32,
+    },
     /// Planes for one picture differ in size, or there are none.
     #[error("{what}: its channels are of different sizes, or it has none")]
     UnequalPlanes {

@@ -14,6 +14,9 @@ use super::{Channel, Corrections, Encoding, ImageError, ImageFile, ImageWarning,
 /// How many standard deviations of the noise at no light a pixel must rise above to count as lit.
 const DARK_SIGMAS: f32 = 3.0;
 
+/// Floats may store light beyond all measure, whose square would be no number.
+const MAX_LIGHT: f32 = 1e9;
+
 /// How stored values become light: the words of a capture file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearOptions {
@@ -181,6 +184,10 @@ impl<'a> Scale<'a> {
         let decode = |stored: f32| options.encoding.decode(stored / full_scale);
         let black = decode(options.black_level);
         let share = 1.0 / (planes.len() as f32 * (decode(white_level) - black));
+        if !(black.is_finite() && share.is_normal()) {
+            let (path, black) = (image.path.clone(), options.black_level);
+            return Err(ImageError::Levels { path, black, white: white_level });
+        }
         let clips_at = clips.unwrap_or(f32::INFINITY);
         Ok(Self { planes, encoding: options.encoding, full_scale, black, share, clips_at })
     }
@@ -202,6 +209,7 @@ impl<'a> Scale<'a> {
                 encoding => self.add_row(plane.row(y), light, marks, |stored| encoding.decode(stored)),
             }
         }
+        light.iter_mut().for_each(|light| *light = light.clamp(-MAX_LIGHT, MAX_LIGHT));
     }
 
     fn add_row(&self, stored: &[f32], light: &mut [f32], marks: &mut [u8], decode: impl Fn(f32) -> f32) {

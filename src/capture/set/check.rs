@@ -1,11 +1,14 @@
 //! Checks of each part of a set by itself, for a file and for a set that the user edits in memory.
 
-use firstbounce_core::denoise::MAX_RADIUS_PX;
-
 use super::model::*;
+use super::number::{Number, is_vector, short, vector_words};
 use super::problem::{Location, Problem};
-use super::rule::{MAX_ROUNDS, ROUNDS, Rule, VECTOR, WINDOW, is_vector, unusable_name};
+use super::rule::unusable_name;
 use super::word::Word;
+
+/// How far the levels of a camera lie apart at least, as a share of the larger one: light is computed from their
+/// difference in single precision.
+const MIN_LEVELS_APART: f64 = 1e-4;
 
 impl CaptureSet {
     /// Everything that keeps the set from being solved, part by part and then between the parts. Positions are absent:
@@ -60,9 +63,7 @@ impl CaptureSet {
             found.sphere(Location::Sphere(index), sphere);
         }
         found.calibration(&self.calibration);
-        if self.separation.bounces == Some(0) {
-            found.add(Location::Separation, "bounces", "expected a whole number from 1, found 0");
-        }
+        found.maybe_number(Location::Separation, "bounces", Number::Bounces, self.separation.bounces.map(|m| m as f64));
         found.shape(&self.shape);
         found.truth(&self.truth);
         found.0
@@ -76,21 +77,21 @@ impl Found {
         self.0.push(Problem::of_key(location, key, message));
     }
 
-    fn number(&mut self, location: Location, key: &str, rule: Rule, number: f64) {
-        if !rule.holds(number) {
-            self.add(location, key, format!("expected {}, found {number}", rule.words()));
+    fn number(&mut self, location: Location, key: &str, number: Number, value: f64) {
+        if !number.allows(value) {
+            self.add(location, key, format!("expected {}, found {}", number.words(), short(value)));
         }
     }
 
-    fn maybe_number(&mut self, location: Location, key: &str, rule: Rule, number: Option<f64>) {
-        if let Some(number) = number {
-            self.number(location, key, rule, number);
+    fn maybe_number(&mut self, location: Location, key: &str, number: Number, value: Option<f64>) {
+        if let Some(value) = value {
+            self.number(location, key, number, value);
         }
     }
 
-    fn vector(&mut self, location: Location, key: &str, vector: &[f64; 3]) {
-        if !is_vector(vector) {
-            self.add(location, key, format!("expected {VECTOR}, found {vector:?}"));
+    fn vector(&mut self, location: Location, key: &str, component: Number, vector: &[f64; 3]) {
+        if !is_vector(component, vector) {
+            self.add(location, key, format!("expected {}, found {vector:?}", vector_words(component)));
         }
     }
 
@@ -104,46 +105,62 @@ impl Found {
         let at = Location::Camera;
         match camera.projection {
             Projection::Orthographic { mm_per_pixel } => {
-                self.maybe_number(at, "mm_per_pixel", Rule::Positive, mm_per_pixel);
+                self.maybe_number(at, "mm_per_pixel", Number::MmPerPixel, mm_per_pixel);
             }
             Projection::Perspective { focal_length_px, principal_point, working_distance_mm } => {
-                self.number(at, "focal_length_px", Rule::Positive, focal_length_px);
+                self.number(at, "focal_length_px", Number::FocalLengthPx, focal_length_px);
                 for coordinate in principal_point.into_iter().flatten() {
-                    self.number(at, "principal_point", Rule::Finite, coordinate);
+                    self.number(at, "principal_point", Number::PrincipalPoint, coordinate);
                 }
-                self.number(at, "working_distance_mm", Rule::Positive, working_distance_mm);
+                self.number(at, "working_distance_mm", Number::WorkingDistanceMm, working_distance_mm);
             }
         }
         self.encoding(at, camera.encoding);
         let black = camera.black_level;
-        self.number(at, "black_level", Rule::Finite, black);
-        self.maybe_number(at, "white_level", Rule::Finite, camera.white_level);
-        if let Some(white) = camera.white_level.filter(|white| *white <= black) {
-            self.add(at, "white_level", format!("expected more than black_level {black}, found {white}"));
+        self.number(at, "black_level", Number::BlackLevel, black);
+        self.maybe_number(at, "white_level", Number::WhiteLevel, camera.white_level);
+        if let Some(white) = camera.white_level {
+            self.levels(black, white);
         }
-        self.maybe_number(at, "full_well_electrons", Rule::Positive, camera.full_well_electrons);
-        self.maybe_number(at, "read_noise_electrons", Rule::NotNegative, camera.read_noise_electrons);
-        if camera.read_noise_electrons.is_some() && camera.full_well_electrons.is_none() {
-            self.add(
-                at,
-                "read_noise_electrons",
-                "needs full_well_electrons beside it, which scales electrons to light",
-            );
+        self.maybe_number(at, "full_well_electrons", Number::FullWellElectrons, camera.full_well_electrons);
+        self.maybe_number(at, "read_noise_electrons", Number::ReadNoiseElectrons, camera.read_noise_electrons);
+        match (camera.read_noise_electrons, camera.full_well_electrons) {
+            (Some(_), None) => {
+                let message = "needs full_well_electrons beside it, which scales electrons to light";
+                self.add(at, "read_noise_electrons", message);
+            }
+            (Some(read), Some(full)) if read >= full => {
+                let message = format!("expected less than full_well_electrons {}, found {}", short(full), short(read));
+                self.add(at, "read_noise_electrons", message);
+            }
+            _ => {}
         }
+    }
+
+    fn levels(&mut self, black: f64, white: f64) {
+        let message = if white <= black {
+            format!("expected more than black_level {}, found {}", short(black), short(white))
+        } else if white - black < MIN_LEVELS_APART * white.abs().max(black.abs()) {
+            format!("{} is too near to black_level {} to tell light from none", short(white), short(black))
+        } else {
+            return;
+        };
+        self.add(Location::Camera, "white_level", message);
     }
 
     fn encoding(&mut self, location: Location, encoding: Encoding) {
         if let Encoding::Gamma(gamma) = encoding {
-            self.number(location, "encoding", Rule::Positive, gamma);
+            self.number(location, "encoding", Number::Gamma, gamma);
         }
     }
 
     fn light(&mut self, location: Location, light: &Light) {
         self.name(location, &light.name);
-        for (key, vector) in [("direction", &light.direction), ("position_mm", &light.position_mm)] {
-            if let Some(vector) = vector {
-                self.vector(location, key, vector);
-            }
+        if let Some(direction) = &light.direction {
+            self.vector(location, "direction", Number::Direction, direction);
+        }
+        if let Some(position) = &light.position_mm {
+            self.vector(location, "position_mm", Number::PositionMm, position);
         }
         if light.direction.is_some() && light.position_mm.is_some() {
             self.add(location, "direction", "given beside position_mm, which already implies it; keep one of the two");
@@ -163,7 +180,7 @@ impl Found {
         if shot.files.iter().any(String::is_empty) {
             self.add(location, "files", "expected file paths, found \"\"");
         }
-        self.number(location, "exposure", Rule::Positive, shot.exposure);
+        self.number(location, "exposure", Number::Exposure, shot.exposure);
         if let Some(encoding) = shot.encoding {
             self.encoding(location, encoding);
         }
@@ -193,41 +210,37 @@ impl Found {
             _ => {}
         }
         for coordinate in sphere.circle.centre {
-            self.number(location, "centre", Rule::Finite, coordinate);
+            self.number(location, "centre", Number::Centre, coordinate);
         }
-        self.number(location, "radius", Rule::Positive, sphere.circle.radius);
+        self.number(location, "radius", Number::Radius, sphere.circle.radius);
     }
 
     fn calibration(&mut self, calibration: &Calibration) {
         let at = Location::Calibration;
         for beta in calibration.beta.iter().flatten() {
-            self.number(at, "beta", Rule::Positive, *beta);
+            self.number(at, "beta", Number::Beta, *beta);
         }
         for (light, alphas) in &calibration.alpha {
             for alpha in alphas {
-                self.number(at, &format!("alpha.{light}"), Rule::Positive, *alpha);
+                self.number(at, &format!("alpha.{light}"), Number::Alpha, *alpha);
             }
         }
         for (light, direction) in &calibration.direction {
-            self.vector(at, &format!("direction.{light}"), direction);
+            self.vector(at, &format!("direction.{light}"), Number::Direction, direction);
         }
         for (light, intensity) in &calibration.intensity {
-            self.number(at, &format!("intensity.{light}"), Rule::Positive, *intensity);
+            self.number(at, &format!("intensity.{light}"), Number::Intensity, *intensity);
         }
-        self.maybe_number(at, "grey_albedo", Rule::Albedo, calibration.grey_albedo);
-        self.maybe_number(at, "white_light", Rule::Positive, calibration.white_light);
+        self.maybe_number(at, "grey_albedo", Number::GreyAlbedo, calibration.grey_albedo);
+        self.maybe_number(at, "white_light", Number::WhiteLight, calibration.white_light);
     }
 
     fn shape(&mut self, shape: &ShapeSettings) {
         let at = Location::Shape;
-        self.number(at, "shadow_share", Rule::Share, shape.shadow_share);
-        self.number(at, "misfit_share", Rule::Share, shape.misfit_share);
-        if !(1..=MAX_ROUNDS).contains(&shape.rounds) {
-            self.add(at, "rounds", format!("expected {ROUNDS}, found {}", shape.rounds));
-        }
-        if shape.indirect_window_px > MAX_RADIUS_PX {
-            self.add(at, "indirect_window_px", format!("expected {WINDOW}, found {}", shape.indirect_window_px));
-        }
+        self.number(at, "shadow_share", Number::ShadowShare, shape.shadow_share);
+        self.number(at, "misfit_share", Number::MisfitShare, shape.misfit_share);
+        self.number(at, "rounds", Number::Rounds, shape.rounds as f64);
+        self.number(at, "indirect_window_px", Number::IndirectWindowPx, shape.indirect_window_px as f64);
     }
 
     fn truth(&mut self, truth: &Truth) {

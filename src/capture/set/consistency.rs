@@ -10,13 +10,29 @@ use super::word::Word;
 /// Albedo ratios closer than this cannot be told apart: the gain of the separation passes 70.
 pub const CLOSEST_BETA: f64 = 0.02;
 
+/// More lamp colours than any rig has. The parts of a set are few enough that comparing each with each takes no time that
+/// is felt.
+pub const MAX_COLOURS: usize = 32;
+
+/// More lamp positions than any rig has.
+pub const MAX_LIGHTS: usize = 1000;
+
+const MAX_SHOTS: usize = 100_000;
+const MAX_FILES_OF_SHOT: usize = 1000;
+
+/// For so many unknown names the one that was meant is looked for.
+const MAX_SUGGESTIONS: usize = 10;
+
 /// Room for the rounding of typed decimals: 0.52 and 0.5 are 0.02 apart.
 const ROUNDING: f64 = 1e-9;
 
 impl CaptureSet {
     /// The problems between parts of the set.
     pub(super) fn check_consistency(&self) -> Vec<Problem> {
-        let mut problems = Vec::new();
+        let mut problems = self.check_counts();
+        if !problems.is_empty() {
+            return problems;
+        }
         self.check_presence(&mut problems);
         let colours = self.colours.iter().map(|colour| colour.name.as_str());
         let lights = self.lights.iter().map(|light| light.name.as_str());
@@ -38,6 +54,22 @@ impl CaptureSet {
         problems
     }
 
+    fn check_counts(&self) -> Vec<Problem> {
+        let most_files = self.shots.iter().enumerate().max_by_key(|(_, shot)| shot.files.len());
+        let files =
+            most_files.map(|(index, shot)| (Location::Shot(index), "files", shot.files.len(), MAX_FILES_OF_SHOT));
+        let parts = [
+            (Location::Set, "[[colour]]", self.colours.len(), MAX_COLOURS),
+            (Location::Set, "[[light]]", self.lights.len(), MAX_LIGHTS),
+            (Location::Set, "[[shot]]", self.shots.len(), MAX_SHOTS),
+        ];
+        let counts = parts.into_iter().chain(files);
+        let too_many = counts.filter(|(.., found, most)| found > most);
+        let problem =
+            |(at, key, found, most)| Problem::of_key(at, key, format!("at most {most} can be used, found {found}"));
+        too_many.map(problem).collect()
+    }
+
     fn check_presence(&self, problems: &mut Vec<Problem>) {
         let mut need = |there: bool, message: &str| {
             if !there {
@@ -56,8 +88,11 @@ impl CaptureSet {
         let mut seen = HashMap::new();
         for (index, shot) in self.shots.iter().enumerate() {
             let at = Location::Shot(index);
-            problems.extend(unknown_name(at, "light", shot.light.as_deref(), &lights));
-            problems.extend(unknown_name(at, "colour", shot.colour.as_deref(), &colours));
+            for (what, name, known) in [("light", &shot.light, &lights), ("colour", &shot.colour, &colours)] {
+                if let Some(name) = name {
+                    check_known(at, what, what, name, known, problems);
+                }
+            }
             if let Some(first) = seen.insert((shot.subject, &shot.light, &shot.colour), index) {
                 let message = format!(
                     "a second shot of {}, as number {}; list repeats in one shot's files",
@@ -126,10 +161,7 @@ impl CaptureSet {
         let lights: Vec<&str> = self.lights.iter().map(|light| light.name.as_str()).collect();
         for (table, names) in tables {
             for name in names {
-                problems.extend(
-                    unknown_name(at, "light", Some(name), &lights)
-                        .map(|problem| Problem { key: Some(format!("{table}.{name}")), ..problem }),
-                );
+                check_known(at, &format!("{table}.{name}"), "light", name, &lights, problems);
             }
         }
     }
@@ -206,10 +238,16 @@ fn check_distinct<'n>(
     }
 }
 
-fn unknown_name(location: Location, what: &str, name: Option<&str>, known: &[&str]) -> Option<Problem> {
-    let name = name.filter(|name| !known.contains(name))?;
-    let message = format!("unknown {what} {name:?}{}", did_you_mean(name, known.iter().copied()));
-    Some(Problem::of_key(location, what, message))
+/// Adds that there is no `what` of this name, with the one that was probably meant.
+fn check_known(location: Location, key: &str, what: &str, name: &str, known: &[&str], problems: &mut Vec<Problem>) {
+    if known.contains(&name) {
+        return;
+    }
+    let suggestion = match problems.len() {
+        ..MAX_SUGGESTIONS => did_you_mean(name, known.iter().copied()),
+        _ => String::new(),
+    };
+    problems.push(Problem::of_key(location, key, format!("unknown {what} {name:?}{suggestion}")));
 }
 
 /// `"object", light "left", colour "blue"`

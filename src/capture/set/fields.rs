@@ -194,8 +194,13 @@ pub(super) fn count(item: &Item) -> Option<usize> {
     item.as_integer().and_then(|integer| usize::try_from(integer).ok())
 }
 
+/// TOML knows `nan` and `inf`; neither is a number of this format.
 pub(super) fn number(item: &Item) -> Option<f64> {
-    item.as_value().and_then(number_of)
+    item.as_value().and_then(finite)
+}
+
+fn finite(value: &Value) -> Option<f64> {
+    number_of(value).filter(|number| number.is_finite())
 }
 
 pub(super) fn number_of(value: &Value) -> Option<f64> {
@@ -203,7 +208,7 @@ pub(super) fn number_of(value: &Value) -> Option<f64> {
 }
 
 pub(super) fn numbers(item: &Item) -> Option<Vec<f64>> {
-    item.as_array()?.iter().map(number_of).collect()
+    item.as_array()?.iter().map(finite).collect()
 }
 
 pub(super) fn tuple<const N: usize>(item: &Item) -> Option<[f64; N]> {

@@ -10,6 +10,7 @@ mod edit;
 mod fields;
 mod guess;
 mod model;
+mod number;
 mod problem;
 mod query;
 mod read;
@@ -23,12 +24,15 @@ mod write;
 #[cfg(test)]
 mod tests;
 
-pub use consistency::CLOSEST_BETA;
+pub use consistency::{CLOSEST_BETA, MAX_COLOURS, MAX_LIGHTS};
 pub use guess::{Became, Guess, GuessOptions, Pattern, PatternError, add_files, assign, propose};
 pub use model::*;
+pub use number::Number;
+pub use number::{is_vector, vector_words};
 pub use problem::{Location, Problem, SetError, TextPosition};
 pub use read::{FILE_NAME, Reading};
 pub use rig::CarriedRig;
+pub(crate) use rule::is_usable_name;
 pub use table::{ShotCell, ShotRow, ShotTable};
 pub use word::Word;
 pub use write::{update_text, write_calibration};

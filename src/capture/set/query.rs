@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 
 use super::model::*;
-use super::rule::length;
+use super::number::length;
 
 impl CaptureSet {
     /// The name, or the folder's where the file gives none.

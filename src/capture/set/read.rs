@@ -9,8 +9,9 @@ use toml_edit::{Document, Item, TableLike};
 
 use super::fields::{ENCODING, Fields, Reader, count, encoding, number, numbers, text, texts, tuple, word};
 use super::model::*;
+use super::number::{Number, vector_words};
 use super::problem::{Location, Problem, SetError};
-use super::rule::{POINT, ROUNDS, Rule, VECTOR, WINDOW, one_of};
+use super::rule::{POINT, one_of};
 use super::word::Word;
 
 /// The name of the file in a capture set's folder.
@@ -136,7 +137,7 @@ pub(super) fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> Capture
     let spheres = parts(&mut fields, "sphere", Location::Sphere, read_sphere);
     let calibration = part(&mut fields, "calibration", Location::Calibration, read_calibration);
     let separation = part(&mut fields, "separation", Location::Separation, |fields| Separation {
-        bounces: fields.get("bounces", "a whole number from 1", count),
+        bounces: fields.get("bounces", &Number::Bounces.words(), count),
     });
     let shape = part(&mut fields, "shape", Location::Shape, read_shape);
     let truth = part(&mut fields, "truth", Location::Truth, read_truth);
@@ -219,10 +220,10 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
     Camera {
         projection: if perspective { read_perspective(fields) } else { read_orthographic(fields) },
         encoding: fields.get("encoding", ENCODING, encoding).unwrap_or_default(),
-        black_level: fields.get("black_level", Rule::Finite.words(), number).unwrap_or_default(),
-        white_level: fields.get("white_level", Rule::Finite.words(), number),
-        full_well_electrons: fields.get("full_well_electrons", Rule::Positive.words(), number),
-        read_noise_electrons: fields.get("read_noise_electrons", Rule::NotNegative.words(), number),
+        black_level: fields.get("black_level", &Number::BlackLevel.words(), number).unwrap_or_default(),
+        white_level: fields.get("white_level", &Number::WhiteLevel.words(), number),
+        full_well_electrons: fields.get("full_well_electrons", &Number::FullWellElectrons.words(), number),
+        read_noise_electrons: fields.get("read_noise_electrons", &Number::ReadNoiseElectrons.words(), number),
     }
 }
 
@@ -235,7 +236,7 @@ fn read_orthographic(fields: &mut Fields<'_, '_>) -> Projection {
             fields.problem(key, format!("belongs to projection = \"{PERSPECTIVE}\"; this camera is {ORTHOGRAPHIC}"));
         }
     }
-    Projection::Orthographic { mm_per_pixel: fields.get("mm_per_pixel", Rule::Positive.words(), number) }
+    Projection::Orthographic { mm_per_pixel: fields.get("mm_per_pixel", &Number::MmPerPixel.words(), number) }
 }
 
 fn read_perspective(fields: &mut Fields<'_, '_>) -> Projection {
@@ -244,9 +245,11 @@ fn read_perspective(fields: &mut Fields<'_, '_>) -> Projection {
         fields.problem("mm_per_pixel", message);
     }
     Projection::Perspective {
-        focal_length_px: fields.require("focal_length_px", Rule::Positive.words(), number).unwrap_or(1.0),
+        focal_length_px: fields.require("focal_length_px", &Number::FocalLengthPx.words(), number).unwrap_or(1.0),
         principal_point: fields.get("principal_point", POINT, tuple),
-        working_distance_mm: fields.require("working_distance_mm", Rule::Positive.words(), number).unwrap_or(1.0),
+        working_distance_mm: fields
+            .require("working_distance_mm", &Number::WorkingDistanceMm.words(), number)
+            .unwrap_or(1.0),
     }
 }
 
@@ -260,8 +263,8 @@ fn read_colour(fields: &mut Fields<'_, '_>) -> Colour {
 fn read_light(fields: &mut Fields<'_, '_>) -> Light {
     Light {
         name: fields.require("name", "a name", text).unwrap_or_default(),
-        direction: fields.get("direction", VECTOR, tuple),
-        position_mm: fields.get("position_mm", VECTOR, tuple),
+        direction: fields.get("direction", &vector_words(Number::Direction), tuple),
+        position_mm: fields.get("position_mm", &vector_words(Number::PositionMm), tuple),
     }
 }
 
@@ -271,7 +274,7 @@ fn read_shot(fields: &mut Fields<'_, '_>) -> Shot {
         light: fields.get("light", "a light's name", text),
         colour: fields.get("colour", "a colour's name", text),
         files: fields.require("files", "a list of file paths", texts).unwrap_or_default(),
-        exposure: fields.get("exposure", Rule::Positive.words(), number).unwrap_or(DEFAULT_EXPOSURE),
+        exposure: fields.get("exposure", &Number::Exposure.words(), number).unwrap_or(DEFAULT_EXPOSURE),
         encoding: fields.get("encoding", ENCODING, encoding),
     }
 }
@@ -284,7 +287,7 @@ fn read_sphere(fields: &mut Fields<'_, '_>) -> Sphere {
     };
     let subject = subject.unwrap_or_default();
     let centre = fields.require("centre", POINT, tuple).unwrap_or_default();
-    let radius = fields.require("radius", Rule::Positive.words(), number).unwrap_or_default();
+    let radius = fields.require("radius", &Number::Radius.words(), number).unwrap_or_default();
     Sphere { subject, kind: kind.unwrap_or_default(), circle: Circle { centre, radius } }
 }
 
@@ -292,22 +295,23 @@ fn read_calibration(fields: &mut Fields<'_, '_>) -> Calibration {
     Calibration {
         beta: fields.get("beta", "a list of numbers, one per colour", numbers),
         alpha: fields.by_light("alpha", "a list of numbers, one per colour", numbers).into_iter().collect(),
-        direction: fields.by_light("direction", VECTOR, tuple).into_iter().collect(),
-        intensity: fields.by_light("intensity", Rule::Positive.words(), number).into_iter().collect(),
-        grey_albedo: fields.get("grey_albedo", Rule::Albedo.words(), number),
-        white_light: fields.get("white_light", Rule::Positive.words(), number),
+        direction: fields.by_light("direction", &vector_words(Number::Direction), tuple).into_iter().collect(),
+        intensity: fields.by_light("intensity", &Number::Intensity.words(), number).into_iter().collect(),
+        grey_albedo: fields.get("grey_albedo", &Number::GreyAlbedo.words(), number),
+        white_light: fields.get("white_light", &Number::WhiteLight.words(), number),
     }
 }
 
 fn read_shape(fields: &mut Fields<'_, '_>) -> ShapeSettings {
     let defaults = ShapeSettings::default();
-    let share = Rule::Share.words();
     ShapeSettings {
         leave_out: fields.get("leave_out", "a list of lights' names", texts).unwrap_or_default(),
-        shadow_share: fields.get("shadow_share", share, number).unwrap_or(defaults.shadow_share),
-        misfit_share: fields.get("misfit_share", share, number).unwrap_or(defaults.misfit_share),
-        rounds: fields.get("rounds", ROUNDS, count).unwrap_or(defaults.rounds),
-        indirect_window_px: fields.get("indirect_window_px", WINDOW, count).unwrap_or(defaults.indirect_window_px),
+        shadow_share: fields.get("shadow_share", &Number::ShadowShare.words(), number).unwrap_or(defaults.shadow_share),
+        misfit_share: fields.get("misfit_share", &Number::MisfitShare.words(), number).unwrap_or(defaults.misfit_share),
+        rounds: fields.get("rounds", &Number::Rounds.words(), count).unwrap_or(defaults.rounds),
+        indirect_window_px: fields
+            .get("indirect_window_px", &Number::IndirectWindowPx.words(), count)
+            .unwrap_or(defaults.indirect_window_px),
     }
 }
 

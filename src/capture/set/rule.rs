@@ -1,63 +1,13 @@
-//! Rules for values: the same words and the same test for the reader and for a set in memory.
-
-/// What a number must be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rule {
-    Finite,
-    Positive,
-    NotNegative,
-    Albedo,
-    Share,
-}
-
-impl Rule {
-    pub(super) fn holds(self, number: f64) -> bool {
-        number.is_finite()
-            && match self {
-                Self::Finite => true,
-                Self::Positive => number > 0.0,
-                Self::NotNegative => number >= 0.0,
-                Self::Albedo => number > 0.0 && number <= 1.0,
-                Self::Share => (0.0..1.0).contains(&number),
-            }
-    }
-
-    pub(super) fn words(self) -> &'static str {
-        match self {
-            Self::Finite => "a number",
-            Self::Positive => "a positive number",
-            Self::NotNegative => "a number that is not negative",
-            Self::Albedo => "an albedo above 0 and at most 1",
-            Self::Share => "a share from 0 and below 1",
-        }
-    }
-}
-
-/// The most near-light iterations that a file may ask for.
-pub(super) const MAX_ROUNDS: usize = 100;
-/// What their number must be.
-pub(super) const ROUNDS: &str = "a whole number from 1 to 100";
-/// What the half width of a window must be.
-pub(super) const WINDOW: &str = "a whole number of pixels from 0 to 64";
-
-/// What a direction or a position must be.
-pub(super) const VECTOR: &str = "three numbers [x, y, z], not all zero";
-
-/// Whether `vector` points anywhere.
-pub(super) fn is_vector(vector: &[f64; 3]) -> bool {
-    let length = length(vector);
-    length.is_finite() && length > 0.0
-}
-
-pub(super) fn length(vector: &[f64; 3]) -> f64 {
-    vector.iter().fold(0.0, |length: f64, x| length.hypot(*x))
-}
+//! What names and words must be: the same words and the same test for the reader and for a set in memory.
 
 /// What a point in a picture must be.
 pub(super) const POINT: &str = "two numbers [x, y]";
 
 /// Characters that some system refuses in a file name.
 const NOT_IN_FILE_NAMES: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
+
+/// File systems end a name at 255 bytes, and an output's name is longer than its light's.
+const MAX_NAME_BYTES: usize = 200;
 
 /// Why `name` cannot be part of the name of an output file.
 pub(super) fn unusable_name(name: &str) -> Option<String> {
@@ -67,18 +17,29 @@ pub(super) fn unusable_name(name: &str) -> Option<String> {
     if name.trim() != name {
         return Some(format!("{name:?} begins or ends with a space; leave it out"));
     }
+    let bytes = name.len();
+    if bytes > MAX_NAME_BYTES {
+        return Some(format!("{bytes} bytes are too long for a name; at most {MAX_NAME_BYTES} fit in file names"));
+    }
     let culprit = name.chars().find(|c| c.is_control() || NOT_IN_FILE_NAMES.contains(c))?;
     Some(format!("{name:?} names output files too, and they cannot hold {culprit:?}; choose another name"))
 }
 
+/// Whether `name` can stand in the name of an output file.
+pub(crate) fn is_usable_name(name: &str) -> bool {
+    unusable_name(name).is_none()
+}
+
 /// The known word that a misspelt one was probably meant to be.
 pub(super) fn nearest<'w>(found: &str, known: impl IntoIterator<Item = &'w str>) -> Option<&'w str> {
-    known
-        .into_iter()
-        .map(|word| (strsim::damerau_levenshtein(found, word), word))
-        .filter(|(distance, word)| *distance <= (word.chars().count() / 3).max(1))
-        .min()
-        .map(|(_, word)| word)
+    let letters = found.chars().count();
+    let near = |word: &'w str| {
+        let (of_word, most) = (word.chars().count(), (word.chars().count() / 3).max(1));
+        // Comparing takes long where both are long, and words of other lengths are never near.
+        let distance = (letters.abs_diff(of_word) <= most).then(|| strsim::damerau_levenshtein(found, word));
+        distance.filter(|distance| *distance <= most).map(|distance| (distance, word))
+    };
+    known.into_iter().filter_map(near).min().map(|(_, word)| word)
 }
 
 /// The same as the end of a sentence.

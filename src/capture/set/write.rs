@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 use toml_edit::{DocumentMut, Table, Value};
 
-use crate::atomic::{WriteError, write_file};
+use crate::atomic::{WriteError, write_kept_file};
 
 use super::edit::{edit_subtable, edit_table, edit_tables, inline, list, put, put_or_remove, put_unless_default};
 use super::model::*;
@@ -40,7 +40,7 @@ impl CaptureSet {
             Err(reason) if reason.kind() == ErrorKind::NotFound => self.to_toml(),
             Err(reason) => return Err(WriteError::Refused { path, reason }),
         };
-        write_file(&path, text.as_bytes())
+        write_kept_file(&path, text.as_bytes())
     }
 }
 

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::Photo;
 use crate::interval::{Interval, coverage_factor, jackknife};
+use crate::linear_algebra;
 use crate::options::check_range;
 use crate::sphere::Ball;
 use nalgebra::{Matrix3, Vector3, Vector4};
@@ -30,7 +31,9 @@ impl DirectionEstimate {
         let factor = coverage_factor(groups);
         // In two dimensions the 95 % circle is 2.45 standard deviations wide where the interval is 1.96; the widest
         // axis bounds it.
-        let widest = covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
+        // A covariance that cannot be decomposed is one of errors beyond all numbers.
+        let widest = linear_algebra::symmetric_eigen(covariance)
+            .map_or(f64::INFINITY, |eigen| eigen.eigenvalues.max().max(0.0).sqrt());
         let component = |i: usize| {
             let half_width = (factor * covariance[(i, i)].max(0.0).sqrt()).max(factor * widest * widest / 2.0);
             Interval::around(direction_to_light[i], half_width)

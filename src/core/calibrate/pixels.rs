@@ -4,6 +4,7 @@ use super::CalibrateError;
 use crate::Photo;
 use crate::image::photo::{CLIPPED, DARK};
 use crate::interval::{quantile, robust_sd};
+use crate::linear_algebra;
 use crate::options::check_range;
 use crate::sphere::{Ball, Circle};
 use nalgebra::{Matrix4, Vector3, Vector4};
@@ -316,7 +317,6 @@ impl ShadingSums {
     }
 
     pub fn solve(&self) -> Option<Vector4<f64>> {
-        let solution = self.matrix.cholesky()?.solve(&self.right);
-        solution.iter().all(|v| v.is_finite()).then_some(solution)
+        linear_algebra::solve_positive_definite(self.matrix, &self.right)
     }
 }

@@ -7,6 +7,12 @@ use rayon::prelude::*;
 
 use crate::Mesh;
 
+/// The fourth power of a larger coordinate, as in the square of an area, is no number in single precision.
+const MAX_COORDINATE: f32 = 1e9;
+
+/// The fourth power of a shorter length is none either.
+const MIN_DIAGONAL: f32 = 1e-6;
+
 /// Why a mesh cannot be used at all.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MeshFault {
@@ -35,6 +41,23 @@ pub enum MeshFault {
         count: usize,
         /// Index of the first one.
         first: usize,
+    },
+    /// A coordinate that single precision cannot compute with.
+    #[error(
+        "has vertex {vertex} at {coordinate:e}, and at most {MAX_COORDINATE:e} mm can be computed with: check the unit, or \
+         move the mesh to the origin"
+    )]
+    TooFar {
+        /// Index of the first such vertex.
+        vertex: usize,
+        /// Its largest coordinate.
+        coordinate: f32,
+    },
+    /// All of it is closer together than single precision can tell apart.
+    #[error("is {diagonal:e} from end to end, and at least {MIN_DIAGONAL:e} mm can be computed with: check the unit")]
+    TooSmall {
+        /// The diagonal of the box around it.
+        diagonal: f32,
     },
     /// A triangle names a vertex that is not there.
     #[error("has a triangle ({triangle}) that uses vertex {index}, but only {vertices} vertices")]
@@ -91,6 +114,22 @@ impl Mesh {
         if let Some(fault) = positions.or_else(|| not_finite("normals", self.normals.iter().copied())) {
             return Some(fault);
         }
+        self.extent_fault().or_else(|| self.index_fault())
+    }
+
+    fn extent_fault(&self) -> Option<MeshFault> {
+        let reach = |position: &Point3<f32>| position.coords.amax();
+        if let Some(vertex) = self.positions.iter().position(|position| reach(position) > MAX_COORDINATE) {
+            return Some(MeshFault::TooFar { vertex, coordinate: reach(&self.positions[vertex]) });
+        }
+        let (low, high) = self.bounds()?;
+        let diagonal = (high.cast::<f64>() - low.cast::<f64>()).norm() as f32;
+        // Of no extent at all, it has no triangle left once it is welded.
+        (diagonal > 0.0 && diagonal < MIN_DIAGONAL).then_some(MeshFault::TooSmall { diagonal })
+    }
+
+    fn index_fault(&self) -> Option<MeshFault> {
+        let vertices = self.positions.len();
         self.triangles.iter().enumerate().find_map(|(triangle, corners)| {
             let &index = corners.iter().find(|&&corner| corner as usize >= vertices)?;
             Some(MeshFault::IndexOutOfRange { triangle, index, vertices })

@@ -6,9 +6,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::SeparateError;
+use crate::linear_algebra;
 
 /// Two colours whose beta lie closer than this separate the bounces by noise alone.
 pub const MIN_BETA_DISTANCE: f64 = 0.02;
+
+/// Below this share of the largest singular value a bounce cannot be told from another at all.
+const MIN_SINGULAR: f64 = 1e-13;
 
 /// The least-squares solution of the bounce equations of one light, the same for all its pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,8 +36,8 @@ impl BounceSystem {
         check_order(alpha, beta, bounces)?;
         let colours = beta.len();
         let mixing = DMatrix::from_fn(colours, bounces, |c, k| beta[c].powi(k as i32 + 1));
-        let singular = mixing.singular_values();
-        let condition_number = singular.max() / singular.min();
+        let condition_number =
+            linear_algebra::singular_values(&mixing).map_or(f64::INFINITY, |singular| singular.max() / singular.min());
 
         // Whiten: divide each colour's equation by the noise of N_c / alpha_c, then undo it in the operator.
         let least_noise = (0..colours).map(|c| sigma[c] / alpha[c]).fold(f64::INFINITY, f64::min);
@@ -42,7 +46,8 @@ impl BounceSystem {
             _ => 1.0,
         });
         let weighted = DMatrix::from_fn(colours, bounces, |c, k| weight[c] * mixing[(c, k)]);
-        let inverse = pseudo_inverse(weighted).ok_or(SeparateError::Singular { bounces, condition_number })?;
+        let inverse = linear_algebra::pseudo_inverse_of_regular(&weighted, MIN_SINGULAR)
+            .ok_or(SeparateError::Singular { bounces, condition_number })?;
         let on_normalised = DMatrix::from_fn(bounces, colours, |k, c| inverse[(k, c)] * weight[c]);
         let gain = on_normalised.row_iter().map(|row| row.norm()).collect();
         let operator = DMatrix::from_fn(bounces, colours, |k, c| on_normalised[(k, c)] / alpha[c]);
@@ -55,16 +60,6 @@ impl BounceSystem {
             |k: usize| sigma.iter().enumerate().map(|(c, s)| (self.operator[(k, c)] * s).powi(2)).sum::<f64>().sqrt();
         (0..self.operator.nrows()).map(row_noise).collect()
     }
-}
-
-/// The Moore-Penrose inverse by singular values; `None` where two bounces cannot be separated at all.
-fn pseudo_inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let svd = matrix.svd(true, true);
-    let smallest = svd.singular_values.min();
-    if smallest.is_nan() || smallest <= 1e-13 * svd.singular_values.max() {
-        return None;
-    }
-    svd.pseudo_inverse(0.0).ok()
 }
 
 /// Whether these colours can separate `bounces` bounces at all. The first colour is the reference.

@@ -2,6 +2,7 @@
 
 use super::{Circle, CircleReport, rim::RimPoint};
 use crate::interval::{Interval, coverage_factor, jackknife, robust_sd};
+use crate::linear_algebra;
 use nalgebra::{Matrix3, Vector3};
 
 /// Sectors of the rim that the jackknife leaves out in turn.
@@ -72,10 +73,10 @@ fn refined<'a>(points: impl Iterator<Item = &'a RimPoint>, circle: &Circle, scal
         normal += weight * row * row.transpose();
         right += weight * (length - circle.radius_px) * row;
     }
-    let step = normal.cholesky()?.solve(&right);
+    let step = linear_algebra::solve_positive_definite(normal, &right)?;
     let radius_px = circle.radius_px + step[2];
     let moved = Circle { centre_px: (circle.centre_px.0 + step[0], circle.centre_px.1 + step[1]), radius_px };
-    (step.iter().all(|s| s.is_finite()) && radius_px > 1.0).then_some(moved)
+    (radius_px > 1.0).then_some(moved)
 }
 
 fn weight(distance_px: f64, scale: f64) -> f64 {

@@ -31,9 +31,12 @@ impl ShapeOptions {
     pub fn check(&self) -> Result<(), ShapeError> {
         self.normals.check()?;
         self.depth.check()?;
-        Ok(check_range("rounds", self.rounds as f64, self.rounds >= 1, "at least 1")?)
+        Ok(check_range("rounds", self.rounds as f64, (1..=MAX_ROUNDS).contains(&self.rounds), "from 1 to 100")?)
     }
 }
+
+/// Lamps that are placed anew so often have long come to rest.
+const MAX_ROUNDS: usize = 100;
 
 /// Why there is no surface.
 #[derive(Clone, Debug, Error, PartialEq)]

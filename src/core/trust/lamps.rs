@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::{LightTrust, NormalTrust, Rig, TrustOptions, calibration, values};
 use crate::denoise::denoised_noise;
+use crate::linear_algebra;
 use crate::separate::BounceSystem;
 
 /// Lamps whose directions span less than this (smallest over largest singular value) lie in a plane.
@@ -25,11 +26,11 @@ impl Lamps {
             return None;
         }
         let matrix = DMatrix::from_fn(toward.len(), 3, |l, axis| toward[l][axis]);
-        let singular = matrix.singular_values();
+        let singular = linear_algebra::singular_values(&matrix)?;
         if singular.min() < MIN_SPREAD * singular.max() {
             return None;
         }
-        let inverse = matrix.pseudo_inverse(0.0).ok()?;
+        let inverse = linear_algebra::pseudo_inverse(&matrix)?;
         let effects: Vec<_> =
             inverse.column_iter().map(|column| Vector3::new(column[0], column[1], column[2])).collect();
         let products = direct_products(rig, lights, systems);

@@ -34,11 +34,13 @@ pub enum SimulateError {
         /// How many albedos there are.
         expected: usize,
     },
-    /// A lamp at the origin, or nowhere.
-    #[error("{light} has no direction: give three numbers, not all zero")]
+    /// A lamp at the origin, or beyond all places.
+    #[error("{light} stands nowhere: give {expected}")]
     LampPlace {
         /// The light.
         light: String,
+        /// What its place or direction must be.
+        expected: String,
     },
     /// A lamp that shines on the back of things.
     #[error(
@@ -51,7 +53,7 @@ pub enum SimulateError {
         elevation_deg: f64,
     },
     /// A value of a lamp out of its range.
-    #[error("{light}: {what} is {value}; give a positive number")]
+    #[error("{light}: {what} is {value:?}; give a number from {low:?} to {high:?}")]
     LampValue {
         /// The light.
         light: String,
@@ -59,6 +61,10 @@ pub enum SimulateError {
         what: &'static str,
         /// Its value.
         value: f64,
+        /// The smallest that it may be.
+        low: f64,
+        /// The largest.
+        high: f64,
     },
     /// alpha counts by the reference colour.
     #[error("{light}: the first alpha is {value}; it is that of the reference colour and must be 1")]

@@ -1,14 +1,18 @@
 //! Lamps, as the user writes them.
 
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use firstbounce_core::light::scene::{Lamp, directions_on_ring};
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::SimulateError;
+use firstbounce_capture::set::{Number, is_vector, vector_words};
 
 /// How much a lamp's balance between the colours strays from what the paint would want, as real lamps' do.
 const BALANCE_SPREAD: f64 = 0.05;
+/// What the side of an area lamp may be.
+const SIDES_MM: RangeInclusive<f64> = 1e-3..=1e6;
 /// Points along each side of an area lamp.
 const POINTS_PER_AREA_SIDE: usize = 6;
 
@@ -117,30 +121,37 @@ impl LampOptions {
     pub(super) fn check(&self, colours: usize) -> Result<(), SimulateError> {
         let (LampPlace::Direction(place) | LampPlace::Point(place) | LampPlace::Area { centre_mm: place, .. }) =
             self.place;
-        let length = Vector3::from(place).norm();
-        if !(length.is_finite() && length > 0.0) {
-            return Err(SimulateError::LampPlace { light: self.name.clone() });
+        let component = match self.place {
+            LampPlace::Direction(_) => Number::Direction,
+            LampPlace::Point(_) | LampPlace::Area { .. } => Number::PositionMm,
+        };
+        if !is_vector(component, &place) {
+            return Err(SimulateError::LampPlace { light: self.name.clone(), expected: vector_words(component) });
         }
+        let length = Vector3::from(place).norm();
         // Exactly sideways counts as behind: what faces the camera is not lit.
         if place[2] / length < 1e-6 {
             let elevation_deg = (place[2] / length).asin().to_degrees();
             return Err(SimulateError::LampBehind { light: self.name.clone(), elevation_deg });
         }
-        let bad = |what, value| Err(SimulateError::LampValue { light: self.name.clone(), what, value });
+        let bad = |what, value, range: RangeInclusive<f64>| {
+            let (low, high) = range.into_inner();
+            Err(SimulateError::LampValue { light: self.name.clone(), what, value, low, high })
+        };
         if let LampPlace::Area { side_mm, .. } = self.place
-            && !(side_mm.is_finite() && side_mm > 0.0)
+            && !SIDES_MM.contains(&side_mm)
         {
-            return bad("side", side_mm);
+            return bad("side", side_mm, SIDES_MM);
         }
-        if !(self.intensity.is_finite() && self.intensity > 0.0) {
-            return bad("intensity", self.intensity);
+        if !Number::Intensity.allows(self.intensity) {
+            return bad("intensity", self.intensity, Number::Intensity.range());
         }
         let Some(alpha) = &self.alpha else { return Ok(()) };
         if alpha.len() != colours {
             return Err(SimulateError::Count { what: "values of alpha", found: alpha.len(), expected: colours });
         }
-        match alpha.iter().find(|alpha| !(alpha.is_finite() && **alpha > 0.0)) {
-            Some(&value) => bad("alpha", value),
+        match alpha.iter().find(|alpha| !Number::Alpha.allows(**alpha)) {
+            Some(&value) => bad("alpha", value, Number::Alpha.range()),
             None if (alpha[0] - 1.0).abs() > 1e-9 => {
                 Err(SimulateError::ReferenceAlpha { light: self.name.clone(), value: alpha[0] })
             }

@@ -9,6 +9,7 @@ use firstbounce_core::options::check_range;
 use super::{LampOptions, SimulateError};
 use crate::{Crosstalk, Sensor};
 use firstbounce_capture::mesh_file::read::{LengthScale, MeshError, read_mesh};
+use firstbounce_capture::set::{MAX_COLOURS, MAX_LIGHTS, Number};
 
 /// The surface that is photographed.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,6 +184,11 @@ impl Default for SimulateOptions {
     }
 }
 
+/// A paint that reflects something, and not everything.
+fn is_albedo(albedo: f64) -> bool {
+    Number::GreyAlbedo.allows(albedo) && albedo < 1.0
+}
+
 impl SimulateOptions {
     /// Names for `count` colours: c1, c2, ..
     pub fn colour_names(count: usize) -> Vec<String> {
@@ -201,18 +207,20 @@ impl SimulateOptions {
 
     /// Whether every option is in its range. Lengths of shapes are checked where the shape is made.
     pub fn check(&self) -> Result<(), SimulateError> {
-        if let Some(&albedo) = self.albedos.iter().find(|&&albedo| !(albedo > 0.0 && albedo < 1.0)) {
+        if let Some(&albedo) = self.albedos.iter().find(|albedo| !is_albedo(**albedo)) {
             return Err(SimulateError::BadAlbedo { albedo });
         }
         let albedos = self.albedos.len() as f64;
         let range = "one for each lamp colour, at least one";
         check_range("the number of albedos", albedos, !self.albedos.is_empty(), range)?;
         let colours = self.albedos.len();
+        check_range("the number of albedos", albedos, colours <= MAX_COLOURS, "at most 32")?;
         if self.colours.len() != colours {
             return Err(SimulateError::Count { what: "colour names", found: self.colours.len(), expected: colours });
         }
         let lamps = self.lamps.len();
         check_range("the number of lamps", lamps as f64, lamps >= 1, "at least 1; normals need 3")?;
+        check_range("the number of lamps", lamps as f64, lamps <= MAX_LIGHTS, "at most 1000")?;
         for lamp in &self.lamps {
             lamp.check(colours)?;
         }
@@ -225,16 +233,16 @@ impl SimulateOptions {
         ] {
             check_range(option, value as f64, (least..=most).contains(&value), range)?;
         }
-        if let Some(balls) = self.balls.filter(|balls| !(balls.grey_albedo > 0.0 && balls.grey_albedo < 1.0)) {
+        if let Some(balls) = self.balls.filter(|balls| !is_albedo(balls.grey_albedo)) {
             return Err(SimulateError::BadAlbedo { albedo: balls.grey_albedo });
         }
         match self.exposure {
             Exposure::Brightest(light) => {
-                let in_range = light > 0.0 && light <= 1.0;
-                check_range("the light of the brightest pixel", light, in_range, "above 0 and at most 1")?;
+                let in_range = (1e-6..=1.0).contains(&light);
+                check_range("the light of the brightest pixel", light, in_range, "from 1e-6 to 1")?;
             }
             Exposure::White(light) => {
-                check_range("the exposure", light, light > 0.0 && light.is_finite(), "more than 0")?;
+                check_range("the exposure", light, Number::WhiteLight.allows(light), "from 1e-9 to 1e9")?;
             }
         }
         Ok(self.sensor.check()?)

@@ -9,7 +9,8 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::{SimulateError, SimulateOptions, Simulated};
-use firstbounce_capture::atomic::{OutputFolder, WriteError};
+use firstbounce_capture::atomic::{OutputFolder, OutputRules, WriteError};
+use firstbounce_capture::export::is_one_of;
 use firstbounce_capture::image_file::{ExrLayer, grey8_png, grey16_png, mask_png, write_exr};
 
 /// `truth/rig.json`: the values that the simulation used.
@@ -52,15 +53,33 @@ impl RigRecord {
 
 /// Where the rig's values lie in the set's folder. No photographed set has them.
 const RIG: &str = "truth/rig.json";
+/// What the files of a simulated set are called.
+const NAMES: [&str; 10] = [
+    firstbounce_capture::set::FILE_NAME,
+    "mask.png",
+    RIG,
+    "truth/normals.exr",
+    "truth/depth.exr",
+    "truth/bounce{k}-{light}.exr",
+    "object/{light}-{colour}.png",
+    "grey-sphere/{light}-{colour}.png",
+    "material-sphere/{light}-{colour}.png",
+    "mirror-sphere/{light}.png",
+];
 /// What lies closer together was written by one run.
 const SAME_TIME: Duration = Duration::from_secs(2);
+
+fn stage(folder: &Path) -> Result<OutputFolder, WriteError> {
+    OutputFolder::stage_with(folder, OutputRules { guarded: None, is_output: |name| is_one_of(&NAMES, name) })
+}
 
 /// Whether a simulated set could be written into `folder`: to know before the work.
 ///
 /// # Errors
 /// As [`write_simulated`].
 pub fn check_folder(folder: &Path) -> Result<(), SimulateError> {
-    drop(OutputFolder::stage(folder)?);
+    let staged = stage(folder)?;
+    let folder = staged.target();
     if folder.join(RIG).is_file() {
         return refuse_edited(folder);
     }
@@ -95,9 +114,13 @@ fn is_programs_own(name: &str) -> bool {
 /// `ForeignFiles` for a folder that holds anything else, and what the system says.
 pub fn write_simulated(simulated: &Simulated, folder: &Path) -> Result<(), SimulateError> {
     let set = &simulated.set;
-    let output = OutputFolder::stage(folder)?;
+    let output = stage(folder)?;
+    let file = |name: &str| {
+        debug_assert!(is_one_of(&NAMES, name), "{name} is missing in the table of names");
+        output.file(name)
+    };
     let put = |name: &str, bytes: &[u8]| -> Result<(), SimulateError> {
-        let path = output.file(name)?;
+        let path = file(name)?;
         fs::write(&path, bytes).map_err(|reason| WriteError::Refused { path, reason }.into())
     };
     // Eight bits hold what an eight-bit sensor stores in one frame.
@@ -109,7 +132,7 @@ pub fn write_simulated(simulated: &Simulated, folder: &Path) -> Result<(), Simul
     let truth = &simulated.truth;
     put("mask.png", &mask_png(&truth.mask)?)?;
     let exr = |name: &str, channels: Vec<(&str, &Plane)>| -> Result<(), SimulateError> {
-        Ok(write_exr(&output.file(name)?, &[ExrLayer { name: "truth", channels }])?)
+        Ok(write_exr(&file(name)?, &[ExrLayer { name: "truth", channels }])?)
     };
     let normals = &truth.normals;
     exr(&set.truth.normals, vec![("R", normals.x()), ("G", normals.y()), ("B", normals.z())])?;
@@ -130,9 +153,12 @@ pub fn write_simulated(simulated: &Simulated, folder: &Path) -> Result<(), Simul
         report.factors.patches
     );
     put(firstbounce_capture::set::FILE_NAME, (comment + &set.to_toml()).as_bytes())?;
-    refuse_foreign_files(folder, &output.path())?;
-    refuse_edited(folder)?;
-    Ok(output.commit()?)
+    let staged = output.path();
+    output.commit_after(|folder| {
+        refuse_foreign_files(folder, &staged)?;
+        refuse_edited(folder)?;
+        Ok(Vec::new())
+    })
 }
 
 /// Fails if `folder` holds anything that the staged files would not replace.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{ComboBox, RichText, Ui};
-use firstbounce_capture::set::{Circle, Sphere, SphereKind, Subject, Word};
+use firstbounce_capture::set::{Circle, Number, Sphere, SphereKind, Subject, Word};
 use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
 
 use super::balls_of;
@@ -103,8 +103,8 @@ impl Balls {
                     axis => &mut new.centre[axis],
                 };
                 let name = ui.label(what);
-                let field = fixed(number, 2).speed(0.05).suffix(" px");
-                let field = if value == 2 { field.range(1.0..=1e5) } else { field };
+                let range = if value == 2 { Number::Radius } else { Number::Centre }.range();
+                let field = fixed(number, 2, range).speed(0.05).suffix(" px");
                 let response = ui.add(field).labelled_by(name.id);
                 response.widget_info(|| {
                     eframe::egui::WidgetInfo::labeled(eframe::egui::Role::SpinButton, true, format!("{title}, {what}"))

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Color32, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::pipeline::{Calibrated, Known, Source, Verdict};
-use firstbounce_capture::set::CaptureSet;
+use firstbounce_capture::set::{CaptureSet, Number};
 use firstbounce_core::trust::Level;
 
 use crate::app::state::session::Session;
@@ -57,7 +57,7 @@ fn beta(
     let typed = set.calibration.beta.is_some();
     let was = measured.and_then(|measured| measured.beta.as_ref()?.get(c));
     let verdict = in_force.judge_beta(set, c);
-    match number(ui, &label, (&label, &meaning), known, was, typed, verdict) {
+    match number(ui, Number::Beta, &label, (&label, &meaning), known, was, typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
             let old = in_force.beta.as_deref().map(values).unwrap_or_else(|| vec![1.0; colours]);
@@ -88,7 +88,7 @@ fn alpha(
     let was = measured.and_then(of);
     let typed = set.calibration.alpha.contains_key(light);
     let verdict = in_force.judge_alpha(l, c);
-    match number(ui, &label, (&shown, &meaning), known.as_ref(), was.as_ref(), typed, verdict) {
+    match number(ui, Number::Alpha, &label, (&shown, &meaning), known.as_ref(), was.as_ref(), typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
             let old = in_force.alpha.get(l).and_then(Option::as_deref).map(values);
@@ -108,7 +108,7 @@ fn intensity(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
     let typed = set.calibration.intensity.contains_key(light);
     let meaning = "This lamp's intensity in the reference colour over that of the first light";
     let (known, verdict) = (in_force.intensity.get(l), in_force.judge_intensity(l));
-    match number(ui, &label, ("intensity", meaning), known, None, typed, verdict) {
+    match number(ui, Number::Intensity, &label, ("intensity", meaning), known, None, typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             document.set.calibration.intensity.insert(light.clone(), value);
         }),
@@ -133,7 +133,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
             ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
         }
         for (axis, number) in ["x", "y", "z"].into_iter().zip(&mut new) {
-            field(ui, number, f64::NEG_INFINITY, &format!("{label}, {axis}"));
+            field(ui, Number::Direction, number, &format!("{label}, {axis}"));
         }
         if let Some(angle) = known.and_then(half_angle_deg) {
             ui.label(RichText::new(format!("\u{b1} {angle:.2}\u{b0}")).weak());
@@ -158,6 +158,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
 /// One number with its interval, and below it verdict, source and the way back.
 fn number(
     ui: &mut Ui,
+    what: Number,
     label: &str,
     (shown, meaning): (&str, &str),
     known: Option<&Known<f64>>,
@@ -172,7 +173,7 @@ fn number(
         if known.is_none() {
             ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
         }
-        if field(ui, &mut value, 1e-6, label) {
+        if field(ui, what, &mut value, label) {
             change = Some(Change::Typed(value));
         }
         if let Some([low, high]) = known.and_then(|known| known.interval) {
@@ -212,8 +213,8 @@ fn judged(ui: &mut Ui, label: &str, source: &str, typed: bool, verdict: Option<V
 }
 
 /// A number under an accessible name; whether it was changed.
-fn field(ui: &mut Ui, number: &mut f64, least: f64, name: &str) -> bool {
-    let field = fixed(number, 4).speed(0.001).range(least..=f64::INFINITY);
+fn field(ui: &mut Ui, what: Number, number: &mut f64, name: &str) -> bool {
+    let field = fixed(number, 4, what.range()).speed(0.001);
     let response = part(ui, name, |ui| ui.add(field));
     response.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, name));
     response.changed()

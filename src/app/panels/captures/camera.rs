@@ -1,7 +1,7 @@
 //! The camera: how its files store light, and the question that 8-bit files raise.
 
 use eframe::egui::{ComboBox, RichText, Ui};
-use firstbounce_capture::set::{Camera, Encoding, Projection};
+use firstbounce_capture::set::{Camera, Encoding, Number, Projection};
 
 use crate::app::state::session::Session;
 use crate::app::widgets::number_field::up_to;
@@ -67,32 +67,36 @@ fn camera(ui: &mut Ui, camera: &mut Camera) {
     });
     if let Encoding::Gamma(gamma) = &mut camera.encoding {
         let label = ui.label("Gamma");
-        ui.add(up_to(gamma, 4).speed(0.01).range(0.1..=10.0)).labelled_by(label.id);
+        ui.add(up_to(gamma, 4, Number::Gamma.range()).speed(0.01)).labelled_by(label.id);
     }
     let label = ui.label("Black level, stored value");
-    ui.add(up_to(&mut camera.black_level, 4).speed(1.0)).labelled_by(label.id);
+    ui.add(up_to(&mut camera.black_level, 4, Number::BlackLevel.range()).speed(1.0)).labelled_by(label.id);
     optional(
         ui,
         "White level, stored value",
         "White level is the file type's maximum",
-        &mut camera.white_level,
-        65535.0,
+        (Number::WhiteLevel, &mut camera.white_level, 65535.0),
     );
     if let Projection::Orthographic { mm_per_pixel } = &mut camera.projection {
-        optional(ui, "Millimetres per pixel", "Scale unknown: the shape is in pixels", mm_per_pixel, 0.1);
+        optional(
+            ui,
+            "Millimetres per pixel",
+            "Scale unknown: the shape is in pixels",
+            (Number::MmPerPixel, mm_per_pixel, 0.1),
+        );
     } else {
         ui.label("Perspective camera: its numbers stand in capture.toml.");
     }
 }
 
-/// A number that may be absent.
-fn optional(ui: &mut Ui, label: &str, absent: &str, value: &mut Option<f64>, first: f64) {
+/// A number that may be absent, and what it is when it is first given.
+fn optional(ui: &mut Ui, label: &str, absent: &str, (what, value, first): (Number, &mut Option<f64>, f64)) {
     let mut none = value.is_none();
     if ui.checkbox(&mut none, absent).changed() {
         *value = (!none).then_some(first);
     }
     if let Some(number) = value {
         let name = ui.label(label);
-        ui.add(up_to(number, 6).speed(0.001 * first).range(1e-6..=f64::INFINITY)).labelled_by(name.id);
+        ui.add(up_to(number, 6, what.range()).speed(0.001 * first)).labelled_by(name.id);
     }
 }

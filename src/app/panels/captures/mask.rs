@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{
     Color32, ColorImage, ComboBox, Rect, RichText, Shape, Slider, Stroke, TextureHandle, TextureOptions, Ui, pos2,
 };
-use firstbounce_capture::atomic::write_file;
+use firstbounce_capture::atomic::{WriteError, write_new_file};
 use firstbounce_capture::image_file::{mask_png, read_mask};
 use firstbounce_capture::set::Subject;
 use firstbounce_core::Mask;
@@ -24,6 +24,8 @@ const INSIDE: Color32 = Color32::from_rgba_premultiplied(20, 70, 90, 90);
 const LINE: Color32 = Color32::from_rgb(80, 220, 255);
 /// Strokes that can be taken back.
 const MOST_STROKES: usize = 32;
+/// Masks that were drawn, beside one set.
+const MAX_MASKS: usize = 1000;
 
 /// How a mask is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -259,11 +261,9 @@ fn size_of_object(session: &Session) -> Option<(usize, usize)> {
 /// Writes the mask into a new file beside the set, so that undo brings the old one back; whether that worked.
 fn save(session: &mut Session, mask: &Mask) -> bool {
     let folder = session.document().set.folder.clone();
-    let path = free_name(&folder);
     let written = mask_png(mask).map_err(|error| error.to_string());
-    let written = written.and_then(|png| write_file(&path, &png).map_err(|error| error.to_string()));
-    match written {
-        Ok(()) => {
+    match written.and_then(|png| write_beside(&folder, &png).map_err(|error| error.to_string())) {
+        Ok(path) => {
             session.edit("Draw mask", |document| document.set.mask = Some(document.set.written(&path)));
             session.done(format!("Saved {}", path.display()));
             true
@@ -275,10 +275,16 @@ fn save(session: &mut Session, mask: &Mask) -> bool {
     }
 }
 
-fn free_name(folder: &Path) -> PathBuf {
-    let numbered = (2..).map(|number| folder.join(format!("mask-{number}.png")));
-    let mut names = std::iter::once(folder.join("mask.png")).chain(numbered);
-    names.find(|path| !path.exists()).unwrap_or_else(|| folder.join("mask.png"))
+/// Where there is anything of a name, be it a link that leads nowhere, the next is taken.
+fn write_beside(folder: &Path, png: &[u8]) -> Result<PathBuf, WriteError> {
+    let first = folder.join("mask.png");
+    let numbered = (2..=MAX_MASKS).map(|number| folder.join(format!("mask-{number}.png")));
+    for path in std::iter::once(first.clone()).chain(numbered) {
+        if write_new_file(&path, png)? {
+            return Ok(path);
+        }
+    }
+    Err(WriteError::NoFreeName { path: first, others: MAX_MASKS - 1 })
 }
 
 fn tint(ui: &Ui, mask: &Mask) -> TextureHandle {

@@ -1,7 +1,7 @@
 //! The photo that is selected: its files, exposure and encoding, and what it is.
 
 use eframe::egui::{ComboBox, RichText, Role, Ui, WidgetInfo};
-use firstbounce_capture::set::{Encoding, Shot};
+use firstbounce_capture::set::{Encoding, Number, Shot};
 
 use super::incoming::{name_box, subject_box};
 use crate::app::state::layout::Shown;
@@ -24,7 +24,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session, name: &ShotName, selected: &mut Op
         ui.label(RichText::new(&title).strong());
         place(ui, session, &mut new);
         let label = ui.label("Exposure, relative");
-        ui.add(up_to(&mut new.exposure, 6).speed(0.01).range(1e-6..=1e6)).labelled_by(label.id);
+        ui.add(up_to(&mut new.exposure, 6, Number::Exposure.range()).speed(0.01)).labelled_by(label.id);
         encoding(ui, &mut new.encoding);
         let mut gone = None;
         for (place, file) in new.files.iter().enumerate() {
@@ -97,6 +97,6 @@ fn encoding(ui: &mut Ui, encoding: &mut Option<Encoding>) {
     });
     if let Some(Encoding::Gamma(gamma)) = encoding {
         let label = ui.label("Gamma");
-        ui.add(up_to(gamma, 4).speed(0.01).range(0.1..=10.0)).labelled_by(label.id);
+        ui.add(up_to(gamma, 4, Number::Gamma.range()).speed(0.01)).labelled_by(label.id);
     }
 }

@@ -133,7 +133,7 @@ fn points(ui: &mut Ui, names: [&str; 4], points: &mut [[f64; 2]; 2], size: (usiz
         for (i, (name, value)) in names.into_iter().zip([x0, y0, x1, y1]).enumerate() {
             let end = if i % 2 == 0 { size.0 } else { size.1 } as f64;
             let label = ui.label(name);
-            let field = up_to(value, 1).range(0.0..=end).suffix(" px");
+            let field = up_to(value, 1, 0.0..=end).suffix(" px");
             changed |= ui.add(field).labelled_by(label.id).changed();
         }
     });

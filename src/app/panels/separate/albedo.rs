@@ -1,6 +1,7 @@
 //! beta of every colour: measured, or typed here.
 
 use eframe::egui::{Grid, RichText, Ui};
+use firstbounce_capture::set::Number;
 
 use crate::app::state::document::Document;
 use crate::app::state::session::Session;
@@ -21,7 +22,7 @@ pub fn ui(ui: &mut Ui, document: &Document, session: &mut Session) {
         for (c, colour) in set.colours.iter().enumerate().skip(1) {
             let label = ui.label(format!("beta of {}", colour.name));
             let mut value = beta[c];
-            let field = fixed(&mut value, 4).speed(0.002).range(0.01..=4.0);
+            let field = fixed(&mut value, 4, Number::Beta.range()).speed(0.002);
             if ui.add(field).labelled_by(label.id).changed() {
                 let mut typed = beta.clone();
                 typed[c] = value;

@@ -3,9 +3,10 @@
 use eframe::egui::{Color32, DragValue, Grid, RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use firstbounce_capture::pipeline::{Method, NayarErrors};
+use firstbounce_capture::set::Number;
 use firstbounce_core::methods::by_shape::ByShapeReport;
 
-use crate::app::state::document::Document;
+use crate::app::state::document::{Document, NayarSettings};
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{ByMethod, StageState, Step, SurfaceName};
 use crate::app::state::session::Session;
@@ -69,8 +70,15 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document, method: Meth
             ui.end_row();
         };
         let patches = "About how many pieces of the surface exchange light; time grows with the square";
-        whole(ui, "Patches", patches, &mut settings.patches, 16..=20_000, 20.0);
-        whole(ui, "Most iterations", "When to stop at the latest", &mut settings.max_iterations, 1..=100, 0.05);
+        whole(ui, "Patches", patches, &mut settings.patches, NayarSettings::PATCHES, 20.0);
+        whole(
+            ui,
+            "Most iterations",
+            "When to stop at the latest",
+            &mut settings.max_iterations,
+            NayarSettings::ITERATIONS,
+            0.05,
+        );
     });
     if let Some(name) = changed {
         session.edit(&name, |document| document.settings.nayar = settings);
@@ -92,9 +100,10 @@ fn grey_albedo(ui: &mut Ui, session: &mut Session, document: &Document) {
     let old = document.set.calibration.grey_albedo;
     let mut albedo = old.unwrap_or(0.0);
     let words = |value: f64, _| if value > 0.0 { format!("{value:.3}") } else { "not known".into() };
-    let field = DragValue::new(&mut albedo).range(0.0..=1.0).speed(0.002).custom_formatter(words);
+    let field =
+        DragValue::new(&mut albedo).range(0.0..=*Number::GreyAlbedo.range().end()).speed(0.002).custom_formatter(words);
     if ui.add(field.custom_parser(|text| text.trim().parse().ok())).labelled_by(name.id).changed() {
-        let new = (albedo > 0.0).then_some(albedo);
+        let new = (albedo > 0.0).then(|| albedo.max(*Number::GreyAlbedo.range().start()));
         session.edit("Type albedo of the grey ball", |document| document.set.calibration.grey_albedo = new);
     }
     ui.end_row();

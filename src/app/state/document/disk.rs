@@ -7,8 +7,10 @@ use std::sync::{Arc, Weak};
 use std::time::{Duration, SystemTime};
 
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::atomic::{WriteError, write_file};
+use firstbounce_capture::atomic::{WriteError, is_plain_file, kept_file_is_there, write_kept_file, write_new_file};
+use firstbounce_capture::open::read_text;
 use firstbounce_capture::set::update_text;
+use serde_json::{Map, Value};
 use thiserror::Error;
 
 use super::{Document, Settings};
@@ -16,6 +18,9 @@ use crate::app::base::jobs::Wake;
 
 /// The file beside capture.toml that keeps what only the window knows.
 pub const VIEW_FILE: &str = "firstbounce-view.json";
+
+/// Copies of texts that could not be read, beside one capture.toml.
+const MAX_COPIES: usize = 100;
 
 const WATCH_EVERY: Duration = Duration::from_secs(1);
 
@@ -58,23 +63,27 @@ pub(super) struct FileOnDisk {
 impl FileOnDisk {
     /// The file at `path` as it is now, or as something still to be made.
     pub fn of(path: PathBuf) -> Self {
-        let text = fs::read_to_string(&path).ok();
+        let text = read_text(&path).ok();
         Self { path, text }
     }
 
-    /// Whether there was a file.
-    pub fn is_there(&self) -> bool {
-        self.text.is_some()
+    /// Whether there is anything of its name.
+    pub fn is_taken(&self) -> bool {
+        self.path.symlink_metadata().is_ok()
     }
 
-    /// Whether the file says something else now. A file that is gone is no change: saving makes it again.
+    /// Whether the file says something else now, or something stands in its place that is no text. A file that is gone is no
+    /// change: saving makes it again.
     pub fn changed(&self) -> bool {
-        fs::read_to_string(&self.path).is_ok_and(|text| self.text.as_ref() != Some(&text))
+        match read_text(&self.path) {
+            Ok(text) => self.text.as_ref() != Some(&text),
+            Err(error) => !error.is_not_found(),
+        }
     }
 
     /// Writes the document, keeping comments and layout of the text that was there. With `keep_old` the old text stays
-    /// beside it: not all of it could be read.
-    pub fn write(&mut self, document: &Document, keep_old: bool) -> Result<(), SaveError> {
+    /// beside it: not all of it could be read. Returns why the window's settings are not kept, if they are not.
+    pub fn write(&mut self, document: &Document, keep_old: bool) -> Result<Option<WriteError>, SaveError> {
         let folder = &document.set.folder;
         if folder.as_os_str().is_empty() {
             return Err(SaveError::NoFolder);
@@ -93,31 +102,54 @@ impl FileOnDisk {
             None => document.set.to_toml(),
         };
         if let (true, Some(old)) = (keep_old, &self.text) {
-            write_file(&self.path.with_extension("toml.unread"), old.as_bytes())?;
+            keep_copy(&self.path, old)?;
         }
-        write_file(&self.path, new.as_bytes())?;
+        write_kept_file(&self.path, new.as_bytes())?;
         self.text = Some(new);
-        write_view(folder, "settings", serde_json::to_value(&document.settings).unwrap_or_default())
+        let settings = serde_json::to_value(&document.settings).unwrap_or_default();
+        Ok(write_view(folder, "settings", settings).err())
     }
+}
+
+/// Keeps `text` beside the file at `path` under the first free name, unless a copy of it is there already.
+fn keep_copy(path: &Path, text: &str) -> Result<(), WriteError> {
+    let first = path.with_extension("toml.unread");
+    let numbered = (2..=MAX_COPIES).map(|number| path.with_extension(format!("toml.unread-{number}")));
+    for copy in std::iter::once(first.clone()).chain(numbered) {
+        let is_kept = is_plain_file(&copy) && read_text(&copy).is_ok_and(|kept| kept == text);
+        if is_kept || write_new_file(&copy, text.as_bytes())? {
+            return Ok(());
+        }
+    }
+    Err(WriteError::NoFreeName { path: first, others: MAX_COPIES - 1 })
+}
+
+/// What the window keeps beside a set; nothing where there is no file.
+///
+/// # Errors
+/// Where something of its name is there that is no file of this program: it is neither read nor replaced.
+pub(crate) fn kept_view(folder: &Path) -> Result<Map<String, Value>, WriteError> {
+    let path = folder.join(VIEW_FILE);
+    if !kept_file_is_there(&path)? {
+        return Ok(Map::new());
+    }
+    let kept = read_text(&path).ok().and_then(|text| serde_json::from_str(&text).ok());
+    kept.ok_or(WriteError::Foreign { path })
 }
 
 /// What the window keeps beside a set, by its key there; absent where there is none or it cannot be read.
 pub(crate) fn read_view<T: serde::de::DeserializeOwned>(folder: &Path, key: &str) -> Option<T> {
-    let text = fs::read_to_string(folder.join(VIEW_FILE)).ok()?;
-    let mut kept: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&text).ok()?;
-    serde_json::from_value(kept.remove(key)?).ok()
+    serde_json::from_value(kept_view(folder).ok()?.remove(key)?).ok()
 }
 
 /// Keeps a value beside a set under `key`; other keys stay.
-pub(crate) fn write_view(folder: &Path, key: &str, value: serde_json::Value) -> Result<(), SaveError> {
-    let path = folder.join(VIEW_FILE);
-    let old = fs::read_to_string(&path).unwrap_or_default();
-    let mut kept: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&old).unwrap_or_default();
+pub(crate) fn write_view(folder: &Path, key: &str, value: Value) -> Result<(), WriteError> {
+    let mut kept = kept_view(folder)?;
     if kept.insert(key.to_owned(), value.clone()) == Some(value) {
         return Ok(());
     }
     let text = serde_json::to_string_pretty(&kept).unwrap_or_default();
-    Ok(write_file(&path, text.as_bytes())?)
+    write_kept_file(&folder.join(VIEW_FILE), text.as_bytes())
 }
 
 pub(super) fn read_settings(folder: &Path) -> Settings {

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use firstbounce_capture::WriteError;
 use firstbounce_capture::set::{Problem, Reading, SetError};
 use undo::{Edit, Merged, Record};
 
@@ -94,7 +95,7 @@ impl Editor {
 
     fn of(reading: Reading, settings: Settings, file: FileOnDisk) -> Self {
         let unread = if reading.complete { Vec::new() } else { reading.problems };
-        let mut document = Document { set: reading.set, settings };
+        let mut document = Document { set: reading.set, settings: settings.within_ranges() };
         document.settings.take_over(&mut document.set);
         let document = Arc::new(document);
         let mut editor = Self { saved: document.clone(), document, file, unread, ..Self::default() };
@@ -197,32 +198,32 @@ impl Editor {
         Ok(())
     }
 
-    /// Saves the document in its file.
-    pub fn save(&mut self) -> Result<(), SaveError> {
-        self.file.write(&self.document, !self.unread.is_empty())?;
+    /// Saves the document in its file. Returns why the window's settings are not kept, if they are not.
+    pub fn save(&mut self) -> Result<Option<WriteError>, SaveError> {
+        let not_kept = self.file.write(&self.document, !self.unread.is_empty())?;
         self.saved = self.document.clone();
         self.unread.clear();
         self.judge();
-        Ok(())
+        Ok(not_kept)
     }
 
     /// Saves the document into another folder, whose set it is from now on. Photos stay where they are; a set that lies
-    /// there already is not replaced.
-    pub fn save_as(&mut self, folder: &Path) -> Result<(), SaveError> {
+    /// there already is not replaced. Returns as [`Editor::save`].
+    pub fn save_as(&mut self, folder: &Path) -> Result<Option<WriteError>, SaveError> {
         let document =
             Document { set: disk::relocated(&self.document.set, folder)?, settings: self.document.settings.clone() };
         let mut file = FileOnDisk::of(document.set.file_path());
-        if file.is_there() && file.path != self.file.path {
+        if file.is_taken() && file.path != self.file.path {
             return Err(SaveError::OtherSet { path: file.path });
         }
-        file.write(&document, false)?;
+        let not_kept = file.write(&document, false)?;
         self.file = file;
         self.unread.clear();
         self.begin_gesture();
         self.edit("Save as", |old| *old = document);
         self.saved = self.document.clone();
         self.judge();
-        Ok(())
+        Ok(not_kept)
     }
 
     /// A step from before "Save as" names its files as seen from the folder of then.

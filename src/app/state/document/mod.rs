@@ -12,7 +12,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Method, SolveOptions};
 
 pub use disk::{DiskWatch, SaveError, VIEW_FILE, relocated};
-pub(crate) use disk::{read_view, write_view};
+pub(crate) use disk::{kept_view, read_view, write_view};
 pub use editor::Editor;
 pub use recovery::{Recovered, Recovery, save_everything_now};
 pub use reference::{Pose, Poses, ReferenceSettings, ReferenceSource};

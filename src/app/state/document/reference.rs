@@ -37,6 +37,16 @@ pub struct Poses {
     pub before: Pose,
 }
 
+impl Poses {
+    /// Whether both stay where single precision can draw the surfaces: a file may say anything.
+    pub fn is_usable(&self) -> bool {
+        let moves = self.after.translation_mm.iter().chain(&self.before.translation_mm);
+        moves.into_iter().all(|x| x.abs() <= MAX_MOVE_MM)
+    }
+}
+
+const MAX_MOVE_MM: f64 = 1e9;
+
 /// A rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {

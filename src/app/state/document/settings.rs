@@ -1,13 +1,15 @@
 //! What a person chooses in the window beyond capture.toml.
 
+use std::ops::RangeInclusive;
+
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::export::OutputOptions;
 use firstbounce_capture::pipeline::Method;
-use firstbounce_capture::set::ShapeSettings;
+use firstbounce_capture::set::{Number, ShapeSettings};
 use firstbounce_core::methods::by_shape::ByShapeOptions;
 use serde::{Deserialize, Serialize};
 
-use super::reference::ReferenceSettings;
+use super::reference::{Poses, ReferenceSettings};
 
 /// How the window solves a set.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -27,6 +29,25 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The same with every number within its range: files beside a set may say anything.
+    pub fn within_ranges(mut self) -> Self {
+        if let Some(shape) = &mut self.shape {
+            for (share, number) in
+                [(&mut shape.shadow_share, Number::ShadowShare), (&mut shape.misfit_share, Number::MisfitShare)]
+            {
+                *share = clamped(*share, &number.range());
+            }
+            shape.rounds = clamped(shape.rounds, &Number::Rounds.whole_range());
+            shape.indirect_window_px = clamped(shape.indirect_window_px, &Number::IndirectWindowPx.whole_range());
+        }
+        self.nayar.patches = clamped(self.nayar.patches, &NayarSettings::PATCHES);
+        self.nayar.max_iterations = clamped(self.nayar.max_iterations, &NayarSettings::ITERATIONS);
+        if let Some(reference) = &mut self.reference {
+            reference.poses = reference.poses.filter(Poses::is_usable);
+        }
+        self
+    }
+
     /// Whether the set is also solved by this method.
     pub fn is_compared(&self, method: Method) -> bool {
         self.compared.contains(&method)
@@ -70,7 +91,21 @@ impl Default for NayarSettings {
     }
 }
 
+/// JSON has no word for what is no number, so a comparison always has an answer.
+fn clamped<T: PartialOrd + Copy>(value: T, range: &RangeInclusive<T>) -> T {
+    match value {
+        low if low < *range.start() => *range.start(),
+        high if high > *range.end() => *range.end(),
+        within => within,
+    }
+}
+
 impl NayarSettings {
+    /// What `patches` may be.
+    pub const PATCHES: RangeInclusive<usize> = 16..=20_000;
+    /// What `max_iterations` may be.
+    pub const ITERATIONS: RangeInclusive<usize> = 1..=100;
+
     /// As the pipeline takes them.
     pub fn options(&self) -> ByShapeOptions {
         ByShapeOptions { patches: self.patches, max_iterations: self.max_iterations, ..ByShapeOptions::default() }

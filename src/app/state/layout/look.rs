@@ -1,5 +1,7 @@
 //! How a view turns numbers into colours: what a person chose, over what the picture proposes.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 
 use crate::gpu::{ColourMap, Display, Encoding, Tint};
@@ -25,6 +27,24 @@ pub struct Look {
 }
 
 impl Look {
+    /// What `exposure_stops` may be.
+    pub const EXPOSURE_STOPS: RangeInclusive<f32> = -20.0..=20.0;
+    /// What `gamma` may be.
+    pub const GAMMA: RangeInclusive<f32> = 0.2..=5.0;
+    /// What the ends of `range` may be: their difference is a number too.
+    pub const ENDS: RangeInclusive<f32> = -1e30..=1e30;
+
+    /// The same without choices beyond these ranges, which a file may hold.
+    pub fn within_ranges(&self) -> Self {
+        let is_end = |end: &f32| Self::ENDS.contains(end);
+        Self {
+            exposure_stops: Some(self.exposure_stops).filter(|x| Self::EXPOSURE_STOPS.contains(x)).unwrap_or_default(),
+            gamma: self.gamma.filter(|gamma| Self::GAMMA.contains(gamma)),
+            range: self.range.filter(|ends| ends.iter().all(is_end)),
+            ..self.clone()
+        }
+    }
+
     /// The picture's proposal with the choices in it.
     pub fn over(&self, proposal: &Display) -> Display {
         Display {

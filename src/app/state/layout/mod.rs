@@ -1,6 +1,7 @@
 //! The layout: which views there are, how they are arranged, and what each shows.
 
 mod look;
+mod rebuild;
 mod shown;
 
 use eframe::egui::Id;
@@ -102,7 +103,7 @@ impl Views {
     /// The arrangement that was kept; `None` if it holds no view.
     pub fn from_json(kept: serde_json::Value) -> Option<Self> {
         let tree: Tree<View> = serde_json::from_value(kept).ok()?;
-        (tree.root().is_some() && panes(&tree.tiles).next().is_some()).then(|| Self::of(tree))
+        rebuild::rebuilt(&tree).map(Self::of)
     }
 
     /// The view that commands act on.

@@ -1,5 +1,7 @@
 //! How a 3D view shows the surfaces: what a person chose, kept with the arrangement of views.
 
+use std::ops::RangeInclusive;
+
 use firstbounce_capture::pipeline::Method;
 use serde::{Deserialize, Serialize};
 
@@ -162,6 +164,18 @@ impl Default for SurfaceLook {
 }
 
 impl SurfaceLook {
+    /// What `distance_mm` may be.
+    pub const DISTANCES_MM: RangeInclusive<f32> = 1e-4..=1e6;
+
+    /// The same without choices beyond their ranges, which a file may hold.
+    pub fn within_ranges(&self) -> Self {
+        Self {
+            distance_mm: self.distance_mm.filter(|distance| Self::DISTANCES_MM.contains(distance)),
+            camera: self.camera.filter(Camera::is_usable),
+            ..self.clone()
+        }
+    }
+
     /// A layer's share.
     pub fn layer(&self, name: LayerName) -> &LayerLook {
         match name {

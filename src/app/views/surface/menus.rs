@@ -63,7 +63,8 @@ fn shading(ui: &mut Ui, look: &mut SurfaceLook, document: &Document) {
         ui.add(Checkbox::new(&mut own, "Own ends of the colours"))
             .on_hover_text("Otherwise the distance that 95 % of the surface stay below");
         let label = ui.label("Distance at the ends");
-        let field = DragValue::new(&mut ends).range(1e-4..=1e6).speed(0.01).max_decimals(4).suffix(" mm");
+        let field =
+            DragValue::new(&mut ends).range(SurfaceLook::DISTANCES_MM).speed(0.01).max_decimals(4).suffix(" mm");
         ui.add_enabled(own, field).labelled_by(label.id);
         look.distance_mm = own.then_some(ends);
     }

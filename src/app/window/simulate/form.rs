@@ -38,7 +38,7 @@ fn heading(ui: &mut Ui, text: &str) {
 fn row<N: Numeric>(ui: &mut Ui, name: &str, value: &mut N, (least, most): (N, N), unit: &str) -> bool {
     let label = ui.label(name);
     let speed = if N::INTEGRAL { 0.2 } else { 0.005 * value.to_f64().abs().max(0.2) };
-    let field = up_to(value, if N::INTEGRAL { 0 } else { 3 }).range(least..=most).speed(speed).suffix(unit);
+    let field = up_to(value, if N::INTEGRAL { 0 } else { 3 }, least..=most).speed(speed).suffix(unit);
     let changed = ui.add(field).labelled_by(label.id).changed();
     ui.end_row();
     changed

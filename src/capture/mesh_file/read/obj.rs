@@ -8,13 +8,13 @@ use super::{MeshFormat, MeshProblem, RawMesh};
 /// Reads all objects of a file as one mesh. Colours behind the positions count as sRGB, as other programs write them.
 pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, MeshProblem> {
     let text = String::from_utf8_lossy(bytes);
-    let faces = check_faces(&text)?;
+    let lines = check_lines(&text)?;
     let options = LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..LoadOptions::default() };
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-    let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials)
+    let (models, _) = tobj::load_obj_buf(&mut lines.kept.as_bytes(), &options, no_materials)
         .map_err(|error| malformed(format!("{error}")))?;
 
-    let mut raw = RawMesh { polygons: faces.polygons, ..RawMesh::default() };
+    let mut raw = RawMesh { polygons: lines.polygons, ..RawMesh::default() };
     let all_coloured = models.iter().all(|model| model.mesh.vertex_color.len() == model.mesh.positions.len());
     for mesh in models.iter().map(|model| &model.mesh) {
         let first = raw.positions.len() as u32;
@@ -23,7 +23,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, MeshProblem> {
         if all_coloured {
             raw.colours.extend(mesh.vertex_color.as_chunks::<3>().0.iter().map(|rgb| rgb.map(linear_from_srgb)));
         }
-        if faces.all_have_normals {
+        if lines.all_have_normals {
             raw.normals.resize(raw.positions.len(), [0.0; 3]);
             for (&vertex, &normal) in mesh.indices.iter().zip(&mesh.normal_indices) {
                 let sum = raw.normals.get_mut((first + vertex) as usize);
@@ -41,43 +41,67 @@ fn malformed(reason: String) -> MeshProblem {
     MeshProblem::Malformed { format: MeshFormat::Obj, reason }
 }
 
-struct Faces {
+/// What was found in the lines that are read.
+struct Lines {
+    /// The lines with vertices, normals, objects and faces, without comments.
+    kept: String,
     polygons: usize,
     all_have_normals: bool,
 }
 
-/// Checks every index of every face against what stands above or below it: tobj computes with them before it checks,
-/// names no line, and makes up normals that are missing.
-fn check_faces(text: &str) -> Result<Faces, MeshProblem> {
-    let mut totals = [0i64; 3];
-    let kind =
-        |line: &str| ["v", "vt", "vn"].iter().position(|&keyword| line.split_whitespace().next() == Some(keyword));
-    text.lines().filter_map(kind).for_each(|kind| totals[kind] += 1);
+/// Keeps the lines that are read, and checks every index of every face against what stands above or below it: tobj
+/// computes with indices before it checks them, also with those of lines and points, names no line, and makes up
+/// normals that are missing.
+fn check_lines(text: &str) -> Result<Lines, MeshProblem> {
+    let lines = || text.lines().map(|line| line.split('#').next().unwrap_or_default());
+    let mut totals = [0u64; 3];
+    lines().filter_map(kind_of).for_each(|kind| totals[kind] += 1);
 
-    let mut so_far = [0i64; 3];
-    let mut faces = Faces { polygons: 0, all_have_normals: totals[2] > 0 };
-    for (number, line) in text.lines().enumerate() {
-        if let Some(kind) = kind(line) {
-            so_far[kind] += 1;
-        }
-        let Some(corners) = line.trim_start().strip_prefix("f ") else { continue };
-        let mut count = 0;
-        for corner in corners.split('#').next().unwrap_or_default().split_whitespace() {
-            count += 1;
-            faces.all_have_normals &= corner.split('/').nth(2).is_some_and(|normal| !normal.is_empty());
-            for (kind, index) in corner.split('/').take(3).enumerate().filter(|(_, index)| !index.is_empty()) {
-                let Ok(index) = index.parse::<i64>() else {
-                    return Err(malformed(format!("line {}: \"{corner}\" is not a corner of a face", number + 1)));
-                };
-                let names = ["vertex", "texture coordinate", "normal"][kind];
-                let exists = if index < 0 { -index <= so_far[kind] } else { (1..=totals[kind]).contains(&index) };
-                if !exists {
-                    let (line, total) = (number + 1, totals[kind]);
-                    return Err(malformed(format!("line {line}: a face names {names} {index}, and there are {total}")));
+    let mut so_far = [0u64; 3];
+    let mut found = Lines { kept: String::with_capacity(text.len()), polygons: 0, all_have_normals: totals[2] > 0 };
+    for (number, line) in (1..).zip(lines()) {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v" | "vt" | "vn") => kind_of(line).into_iter().for_each(|kind| so_far[kind] += 1),
+            Some("o" | "g") => {}
+            Some("f") => {
+                let mut corners = 0;
+                for corner in words {
+                    corners += 1;
+                    found.all_have_normals &= corner.split('/').nth(2).is_some_and(|normal| !normal.is_empty());
+                    check_corner(corner, &so_far, &totals)
+                        .map_err(|reason| malformed(format!("line {number}: {reason}")))?;
                 }
+                found.polygons += usize::from(corners > 3);
             }
+            _ => continue,
         }
-        faces.polygons += usize::from(count > 3);
+        found.kept.push_str(line.trim());
+        found.kept.push('\n');
     }
-    Ok(faces)
+    Ok(found)
 }
+
+/// Which of vertices, texture coordinates and normals the line adds to.
+fn kind_of(line: &str) -> Option<usize> {
+    ["v", "vt", "vn"].iter().position(|&keyword| line.split_whitespace().next() == Some(keyword))
+}
+
+/// Whether the indices of a corner name what is there: those below 0 count back from the line, the others from the
+/// beginning of the file. An error says why not.
+fn check_corner(corner: &str, so_far: &[u64; 3], totals: &[u64; 3]) -> Result<(), String> {
+    let parts: Vec<&str> = corner.split('/').collect();
+    let indices = parts.iter().enumerate().filter(|(kind, index)| *kind == 0 || !index.is_empty());
+    for (kind, index) in indices {
+        let (Some(name), Ok(index)) = (KINDS.get(kind), index.parse::<i64>()) else {
+            return Err(format!("\"{corner}\" is not a corner of a face"));
+        };
+        let most = if index < 0 { so_far[kind] } else { totals[kind] };
+        if !(1..=most).contains(&index.unsigned_abs()) {
+            return Err(format!("a face names {name} {index}, and there are {}", totals[kind]));
+        }
+    }
+    Ok(())
+}
+
+const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];

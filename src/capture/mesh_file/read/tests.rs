@@ -200,6 +200,41 @@ fn indices_that_lead_nowhere_are_refused_with_their_line() {
 }
 
 #[test]
+fn no_line_but_a_checked_face_names_a_vertex() {
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for index in ["-9223372036854775808", "9223372036854775807", "-4", "18446744073709551616"] {
+        for face in [format!("f {index} 2 3"), format!("f\t1 2 {index}"), format!("f 1//1 2//{index} 3//1")] {
+            let text = problem(format!("{corners}{face}\n"), "obj").to_string();
+            assert!(text.contains("line 4"), "{face}: {text}");
+        }
+        // Lines and points are no surface, and are read over.
+        let text = format!("{corners}l {index} 2\np {index}\nmtllib {index}\nf 1 2 3 # {index}\n");
+        assert_eq!(read(text.as_bytes(), "obj").mesh.triangles.len(), 1);
+    }
+}
+
+#[test]
+fn coordinates_that_single_precision_cannot_compute_with_are_refused_with_their_vertex() {
+    for far in ["1e38", "-2e9", "1.1e9"] {
+        let obj = format!("v 0 0 0\nv 1 0 {far}\nv 0 1 0\nf 1 2 3\n");
+        let stl = STL.replace("vertex 1 0 0", &format!("vertex 1 0 {far}"));
+        let ply = PLY.replace("1.5 1 0", &format!("1.5 1 {far}"));
+        for (text, extension, first) in [(obj, "obj", 1), (stl, "stl", 1), (ply, "ply", 2)] {
+            match problem(&text, extension) {
+                MeshProblem::Fault(MeshFault::TooFar { vertex, .. }) => assert_eq!(vertex, first, "{text}"),
+                other => panic!("{far} in {extension}: {other}"),
+            }
+        }
+    }
+    // In metres a million is too far, in millimetres it is a kilometre.
+    let far = OBJ.replace("v 2 0.5 0", "v 2e6 0.5 0");
+    assert!(mesh_from_bytes(far.as_bytes(), "obj", MM).is_ok());
+    assert!(mesh_from_bytes(far.as_bytes(), "obj", LengthScale::Metre).is_err());
+    let small = "v 0 0 0\nv 1e-20 0 0\nv 0 1e-20 0\nf 1 2 3\n";
+    assert!(matches!(problem(small, "obj"), MeshProblem::Fault(MeshFault::TooSmall { .. })));
+}
+
+#[test]
 fn files_that_are_cut_off_say_so() {
     let stl = stl_binary();
     let expected = MeshProblem::Truncated { what: "bytes".to_owned(), promised: 284, found: 200 };

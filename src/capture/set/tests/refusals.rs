@@ -32,7 +32,10 @@ fn refuses_here(old: &str, new: &str, words: &[&str]) {
 fn the_line_names_the_part_the_key_the_value_and_what_was_expected() {
     let text = FULL.replace("exposure = 0.5", "exposure = \"fast\"");
     let error = CaptureSet::parse(&text, Path::new("capture.toml")).unwrap_err();
-    assert_eq!(error.to_string(), "capture.toml:42: [[shot]] exposure: expected a positive number, found \"fast\"");
+    assert_eq!(
+        error.to_string(),
+        "capture.toml:42: [[shot]] exposure: expected a number from 1e-9 to 1000000000, found \"fast\""
+    );
     let text = FULL.replace("black_level", "blak_level");
     let error = CaptureSet::parse(&text, Path::new("corner/capture.toml")).unwrap_err();
     assert_eq!(
@@ -103,7 +106,7 @@ fn unknown_words_are_refused_with_those_that_are_known() {
 #[test]
 fn missing_keys_are_refused_at_their_part() {
     refuses("schema = 1\n", "", "# A set", &["schema: missing; expected schema = 1"]);
-    refuses("focal_length_px = 3400.0\n", "", "[camera]", &["focal_length_px: missing; expected a positive number"]);
+    refuses("focal_length_px = 3400.0\n", "", "[camera]", &["focal_length_px: missing; expected a number from 1 to"]);
     refuses("subject = \"flat-field\"\n", "", "[[shot]]\nfiles = [\"flat.png\"]", &["subject: missing"]);
     refuses("files = [\"dark.png\"]\n", "", "[[shot]]\nsubject = \"dark\"", &["files: missing"]);
     refuses("kind = \"mirror\"\n", "", "[[sphere]]\nsubject = \"object\"", &["kind: missing; expected \"grey\""]);
@@ -112,16 +115,20 @@ fn missing_keys_are_refused_at_their_part() {
 
 #[test]
 fn numbers_out_of_range_are_refused() {
-    refuses_here("exposure = 0.5", "exposure = 0", &["exposure: expected a positive number, found 0"]);
-    refuses_here("exposure = 0.5", "exposure = nan", &["exposure", "found NaN"]);
+    refuses_here("exposure = 0.5", "exposure = 0", &["exposure: expected a number from 1e-9 to 1000000000, found 0"]);
+    refuses_here("exposure = 0.5", "exposure = nan", &["exposure", "found nan"]);
     refuses_here("exposure = 0.5", "exposure = inf", &["exposure", "found inf"]);
-    refuses_here("radius = 83.3", "radius = -1.5", &["[[sphere]] radius: expected a positive number, found -1.5"]);
-    refuses_here("centre = [20, 30]", "centre = [20, inf]", &["centre: expected a number, found inf"]);
+    refuses_here(
+        "radius = 83.3",
+        "radius = -1.5",
+        &["[[sphere]] radius: expected a number from 0.001 to 1000000, found -1.5"],
+    );
+    refuses_here("centre = [20, 30]", "centre = [20, inf]", &["centre: expected two numbers [x, y], found [20, inf]"]);
     refuses_here("white_level = 65535", "white_level = 512", &["white_level: expected more than black_level 512"]);
-    refuses_here("{ gamma = 2.2 }", "{ gamma = 0 }", &["encoding: expected a positive number, found 0"]);
+    refuses_here("{ gamma = 2.2 }", "{ gamma = 0 }", &["encoding: expected a number from 0.1 to 10, found 0"]);
     refuses_here("focal_length_px = 3400.0", "focal_length_px = 0", &["focal_length_px"]);
-    refuses_here("left = 1.0\n", "left = -1\n", &["intensity.left: expected a positive number, found -1"]);
-    refuses_here("bounces = 2", "bounces = 0", &["from 1, found 0"]);
+    refuses_here("left = 1.0\n", "left = -1\n", &["intensity.left: expected a number from 0.0001 to 10000, found -1"]);
+    refuses_here("bounces = 2", "bounces = 0", &["bounces: expected a whole number from 1 to 16, found 0"]);
     refuses("full_well_electrons = 30000\n", "", "read_noise", &["needs full_well_electrons"]);
 }
 
@@ -316,7 +323,10 @@ fn a_set_in_memory_is_checked_without_lines() {
     set.shots[1].exposure = -1.0;
     let problems = set.check();
     assert_eq!(problems.len(), 1);
-    assert_eq!(problems[0].to_string(), "[[shot]] number 2 exposure: expected a positive number, found -1");
+    assert_eq!(
+        problems[0].to_string(),
+        "[[shot]] number 2 exposure: expected a number from 1e-9 to 1000000000, found -1"
+    );
 }
 
 #[test]

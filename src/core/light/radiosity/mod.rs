@@ -32,6 +32,14 @@ pub enum RadiosityError {
         /// The index of the triangle.
         triangle: usize,
     },
+    /// A surface of a size that single-precision rays cannot be traced over.
+    #[error(
+        "the surface is {diagonal_mm:e} mm from end to end; it must be from 1e-6 to 1e7 mm: check its unit or the camera's scale"
+    )]
+    Extent {
+        /// The diagonal of the box around it.
+        diagonal_mm: f64,
+    },
     /// An albedo no paint has.
     #[error("albedo {albedo} is not between 0 and 1; no paint reflects that much")]
     BadAlbedo {

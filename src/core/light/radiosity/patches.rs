@@ -13,6 +13,9 @@ const CREASE_DEG: f64 = 30.0;
 /// Heights over a plane below this fraction of the surface's diagonal are rounding of the mesh's f32 coordinates.
 const FLAT: f64 = 1e-6;
 
+/// Sizes over which rays are traced in single precision.
+const DIAGONALS_MM: std::ops::RangeInclusive<f64> = 1e-6..=1e7;
+
 /// One triangle of the surface. Its front is the side from which its corners run counter-clockwise; only the front
 /// reflects, both sides block.
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +95,9 @@ impl Patches {
         }
         let (low, high) = bounds(&patches);
         let diagonal_mm = (high - low).norm();
+        if !DIAGONALS_MM.contains(&diagonal_mm) {
+            return Err(RadiosityError::Extent { diagonal_mm });
+        }
         let occluders = Occluders::new(&patches, diagonal_mm);
         let unoccluded = is_unoccluded(&patches, diagonal_mm * FLAT);
         Ok(Self { patches, occluders, diagonal_mm, unoccluded })

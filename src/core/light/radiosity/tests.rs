@@ -237,3 +237,22 @@ fn a_mesh_without_sense_is_refused() {
     mesh.triangles.clear();
     assert_eq!(Patches::from_mesh(&mesh).unwrap_err(), RadiosityError::NoTriangles);
 }
+
+/// Whatever its size and its place, a surface exchanges light or is refused.
+#[test]
+fn surfaces_of_every_size_are_traced_or_refused() {
+    let shape = Shape::Corner { wall_mm: 1.0, roll_deg: 0.0 };
+    for power in (-45..39).step_by(3) {
+        for shift in [0.0, 1e-20, 1.0, 1e8, 1e20, 1e38] {
+            let scale = 10f32.powi(power);
+            let mut mesh = shape.mesh(24).unwrap();
+            mesh.positions
+                .iter_mut()
+                .for_each(|position| *position = *position * scale + nalgebra::Vector3::repeat(shift));
+            let Ok(patches) = Patches::from_mesh(&mesh) else { continue };
+            let (factors, _) = form_factors(patches, &FormFactorOptions::default(), &Unwatched).unwrap();
+            let light = vec![1.0; factors.patches().len()];
+            let _ = bounces(&factors, &[light], &BounceOptions::default(), &Unwatched);
+        }
+    }
+}

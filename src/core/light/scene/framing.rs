@@ -7,13 +7,18 @@ use rayon::prelude::*;
 
 use super::{SceneError, seen_at};
 use crate::light::radiosity::Patches;
-use crate::options::OptionError;
+use crate::options::check_range;
 use crate::{Camera, Mesh, Projection};
 
 /// The surface's larger side in a picture, as a fraction of the picture's.
 const FILLED: f64 = 0.96;
 /// Rays along each side of the picture that look for faces that are turned away, and how high the surface lies.
 const LOOKS_PER_SIDE: usize = 64;
+
+/// From there a surface of any size is seen by parallel rays.
+const MAX_DISTANCE_MM: f64 = 1e9;
+/// From a pinhole that sees almost everything before it to parallel rays.
+const FOCAL_LENGTHS_PX: std::ops::RangeInclusive<f64> = 1.0..=1e7;
 
 /// The camera's lens.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,20 +63,18 @@ pub fn framed_through(mut mesh: Mesh, lens: Lens, size_px: usize) -> Result<(Mes
             Projection::Orthographic { mm_per_pixel: Some(extent_mm / filled_px) }
         }
         Lens::Perspective { working_distance_mm } => {
-            if working_distance_mm.is_nan() || working_distance_mm <= f64::from(high.z) {
-                let range = "more than the height of the surface over z = 0";
-                return Err(OptionError { option: "working_distance_mm", value: working_distance_mm, range }.into());
-            }
+            let distance = |in_range, range| check_range("working_distance_mm", working_distance_mm, in_range, range);
+            distance(working_distance_mm > f64::from(high.z), "more than the height of the surface over z = 0")?;
+            distance(working_distance_mm <= MAX_DISTANCE_MM, "at most 1e9; leave it out for parallel rays")?;
             let slope = |p: &nalgebra::Point3<f32>| {
                 f64::from(p.x.abs().max(p.y.abs())) / (working_distance_mm - f64::from(p.z))
             };
             let steepest = mesh.positions.iter().map(slope).fold(0.0, f64::max);
             let middle_px = size_px as f64 / 2.0;
-            Projection::Perspective {
-                focal_length_px: filled_px / 2.0 / steepest,
-                principal_point_px: (middle_px, middle_px),
-                working_distance_mm,
-            }
+            let focal_length_px = filled_px / 2.0 / steepest;
+            let range = "near enough to see a slope, and farther than the surface is wide";
+            distance(FOCAL_LENGTHS_PX.contains(&focal_length_px), range)?;
+            Projection::Perspective { focal_length_px, principal_point_px: (middle_px, middle_px), working_distance_mm }
         }
     };
     let camera = Camera { projection, size: (size_px, size_px) };
@@ -118,6 +121,7 @@ mod tests {
     use nalgebra::Point3;
 
     use super::*;
+    use crate::options::OptionError;
     use crate::light::scene::Shape;
 
     #[test]

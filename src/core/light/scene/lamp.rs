@@ -7,6 +7,12 @@ use super::SceneError;
 use crate::light::radiosity::{Occluders, Patch, Patches};
 use crate::options::check_range;
 
+/// A lamp's light is divided by the square of its distance, and multiplied by that of another.
+const MIN_DISTANCE_MM: f64 = 1e-6;
+const MAX_PLACE_MM: f64 = 1e8;
+/// Relative to the first light, and far beyond any lamp.
+const MAX_INTENSITY: f64 = 1e9;
+
 /// A lamp. Its intensity is the irradiance of a facet at the origin that faces it, with nothing between.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lamp {
@@ -109,7 +115,12 @@ impl Lamp {
     /// Whether the lamp can shine on the origin.
     pub fn check(&self) -> Result<(), SceneError> {
         let intensity = self.intensity();
-        check_range("intensity", intensity, intensity.is_finite() && intensity >= 0.0, "0 or more")?;
+        check_range("intensity", intensity, (0.0..=MAX_INTENSITY).contains(&intensity), "from 0 to 1e9")?;
+        if let Some(position) = self.position_mm() {
+            let far_mm = position.coords.amax();
+            let range = "at most 1e8 mm; give the direction of a lamp so far away";
+            check_range("a coordinate of the lamp", far_mm, far_mm <= MAX_PLACE_MM, range)?;
+        }
         match self {
             Self::Directional { direction_to_light, .. } => {
                 let length = direction_to_light.norm();
@@ -117,7 +128,12 @@ impl Lamp {
             }
             Self::Point { position_mm, .. } => {
                 let distance_mm = position_mm.coords.norm();
-                check_range("the distance of the lamp", distance_mm, distance_mm != 0.0, "greater than 0")?;
+                check_range(
+                    "the distance of the lamp",
+                    distance_mm,
+                    distance_mm >= MIN_DISTANCE_MM,
+                    "at least 1e-6 mm",
+                )?;
             }
             Self::Area { centre_mm, half_width_mm, half_height_mm, points_per_side, .. } => {
                 let points = *points_per_side;

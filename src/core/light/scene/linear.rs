@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use crate::light::radiosity::{Patch, Patches};
+use crate::linear_algebra;
 
 /// A radiosity over one patch.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +67,8 @@ fn gradients(patches: &[Patch], index: usize, around: &[Vec<usize>; 3], channels
     for (_, offset, pull) in &weighted {
         matrix += pull * offset.transpose();
     }
-    let inverse = (neighbours.len() >= 2).then(|| matrix.try_inverse()).flatten().unwrap_or_else(Matrix3::zeros);
+    let inverse =
+        (neighbours.len() >= 2).then(|| linear_algebra::inverse(&matrix)).flatten().unwrap_or_else(Matrix3::zeros);
     let gradient = |channel: &&[f64]| {
         inverse
             * weighted.iter().map(|(other, _, pull)| pull * (channel[*other] - channel[index])).sum::<Vector3<f64>>()

@@ -181,3 +181,23 @@ fn what_cannot_be_aligned_says_why() {
     }
     assert_eq!(align(&fine, &fine, &default, &Impatient), Err(CompareError::Cancelled));
 }
+
+/// Whatever its size and its place, a mesh is measured or refused.
+#[test]
+fn meshes_of_every_size_are_measured_or_refused() {
+    for power in (-45..39).step_by(3) {
+        for shift in [0.0, 1e-20, 1.0, 1e8, 1e20, 1e38] {
+            let scale = 10f32.powi(power);
+            let mut mesh = relief(6, 1.0, bumps);
+            mesh.positions.iter_mut().for_each(|position| *position = *position * scale + Vector3::repeat(shift));
+            let other = relief(6, 1.0, |_, _| 0.0);
+            for (a, b) in [(&mesh, &other), (&other, &mesh), (&mesh, &mesh)] {
+                if let Ok(found) = distances(a, b, &Isometry3::identity(), &DistanceOptions::default(), &Unwatched) {
+                    assert!(found.mean_mm.is_finite() && found.max_mm.is_finite(), "{scale:e} at {shift:e}");
+                }
+                let _ =
+                    align(a, b, &AlignOptions { samples: 100, iterations: 3, ..AlignOptions::default() }, &Unwatched);
+            }
+        }
+    }
+}

@@ -56,6 +56,7 @@ mod tests {
     use crate::Unwatched;
     use crate::mesh::LengthUnit;
     use crate::mesh::compare::test_meshes::relief;
+    use crate::mesh::topology::MeshFault;
 
     #[test]
     fn a_shrunken_border_counts_and_pixels_do_too() {
@@ -68,8 +69,9 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_measured_is_no_distance_of_zero() {
+    fn what_lies_too_far_to_be_measured_is_refused() {
         // So far away that the square of the distance is no single-precision number.
+        let vertex_1 = MeshFault::TooFar { vertex: 1, coordinate: 1e25 };
         let surface = relief(1, 2.0, |_, _| 0.0);
         let at = |points: &[[f32; 3]]| Mesh {
             positions: points.iter().map(|point| Point3::from(*point)).collect(),
@@ -79,9 +81,7 @@ mod tests {
             unit: LengthUnit::Millimetre,
         };
         let (near, far) = ([0.1, 0.2, 3.0], [1e25, 0.0, 0.0]);
-        let found = deviation(&at(&[near, far, near]), &surface, &Unwatched).unwrap();
-        assert!((found.mean - 3.0).abs() < 1e-5, "{found:?}");
-        let nowhere = deviation(&at(&[far, far, far]), &surface, &Unwatched);
-        assert_eq!(nowhere, Err(CompareError::NoExtent { side: Side::Fixed }));
+        let found = deviation(&at(&[near, far, near]), &surface, &Unwatched);
+        assert_eq!(found, Err(CompareError::Mesh { side: Side::Moving, fault: vertex_1 }));
     }
 }

@@ -11,6 +11,9 @@ use crate::{Mesh, Watch};
 /// Vertices measured between two looks at the watch.
 const BLOCK: usize = 1 << 16;
 
+/// What `limit_mm` may be.
+const LIMITS_MM: std::ops::RangeInclusive<f64> = 1e-6..=1e9;
+
 /// What counts as a counterpart.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DistanceOptions {
@@ -20,10 +23,10 @@ pub struct DistanceOptions {
 }
 
 impl DistanceOptions {
-    /// Refuses a limit that is not positive.
+    /// Refuses a limit that no surface can be within, or that single precision cannot compute with.
     pub fn check(&self) -> Result<(), CompareError> {
         let limit_mm = self.limit_mm.unwrap_or(1.0);
-        Ok(check_range("limit_mm", limit_mm, limit_mm > 0.0 && limit_mm.is_finite(), "more than 0 mm")?)
+        Ok(check_range("limit_mm", limit_mm, LIMITS_MM.contains(&limit_mm), "from 1e-6 to 1e9 mm")?)
     }
 }
 

@@ -6,6 +6,7 @@ use nalgebra::{
 use rayon::prelude::*;
 
 use super::pairs::Pair;
+use crate::linear_algebra;
 
 /// A motion by 1 mm that parts the surfaces by less than this many mm is free: its amount is not to be trusted.
 const FREE_BELOW: f64 = 0.05;
@@ -93,7 +94,8 @@ impl MotionEquations {
             .collect();
         let left: Matrix6<f64> = blocks.iter().map(|(left, _)| left).sum();
         let right: Vector6<f64> = blocks.iter().map(|(_, right)| right).sum();
-        Some(Self { middle, radius_mm, right: right / count, eigen: SymmetricEigen::new(left / count) })
+        let eigen = linear_algebra::symmetric_eigen(left / count)?;
+        Some(Self { middle, radius_mm, right: right / count, eigen })
     }
 
     /// The motion that best closes the pairs, and how far it moves their points on average, in mm. It does not go where

@@ -62,7 +62,7 @@ impl AlignOptions {
         let overlap = self.minimum_overlap;
         check_range("minimum_overlap", overlap, (0.0..=1.0).contains(&overlap), "0 to 1")?;
         let reach = self.reach_mm.unwrap_or(1.0);
-        check_range("reach_mm", reach, reach > 0.0 && reach.is_finite(), "more than 0 mm")?;
+        check_range("reach_mm", reach, (1e-6..=1e9).contains(&reach), "from 1e-6 to 1e9 mm")?;
         check_range("samples", self.samples as f64, self.samples >= 100, "at least 100")?;
         Ok(check_range("iterations", self.iterations as f64, self.iterations >= 1, "at least 1")?)
     }

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion};
 
 use super::CompareError;
+use crate::linear_algebra;
 
 /// A pair's spread across its longest line must be this fraction of the spread along it.
 const MIN_SPREAD: f64 = 1e-3;
@@ -40,14 +41,14 @@ pub fn rigid_from_pairs(pairs: &[(Point3<f64>, Point3<f64>)]) -> Result<RigidFit
         spreads[1] += to * to.transpose();
     }
     for spread in spreads {
-        let mut variances = spread.symmetric_eigenvalues();
+        let Some(eigen) = linear_algebra::symmetric_eigen(spread) else { return Err(on_a_line) };
+        let mut variances = eigen.eigenvalues;
         variances.as_mut_slice().sort_by(f64::total_cmp);
         if variances[1] <= MIN_SPREAD.powi(2) * variances[2] {
             return Err(on_a_line);
         }
     }
-    let svd = covariance.svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Err(on_a_line) };
+    let Some((u, v_t)) = linear_algebra::singular_vectors(&covariance) else { return Err(on_a_line) };
     let mut mirror = Matrix3::identity();
     mirror[(2, 2)] = (u * v_t).determinant().signum();
     let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(u * mirror * v_t));

@@ -56,7 +56,8 @@ impl ByShapeOptions {
     pub fn check(&self) -> Result<(), ByShapeError> {
         let (patches, change_deg) = (self.patches, self.smallest_change_deg);
         check_range("patches", patches as f64, (16..=20_000).contains(&patches), "from 16 to 20000")?;
-        check_range("max_iterations", self.max_iterations as f64, self.max_iterations >= 1, "at least 1")?;
+        let in_range = (1..=1000).contains(&self.max_iterations);
+        check_range("max_iterations", self.max_iterations as f64, in_range, "from 1 to 1000")?;
         let in_range = change_deg > 0.0 && change_deg < 90.0;
         check_range("smallest_change_deg", change_deg, in_range, "above 0 and below 90")?;
         self.form_factors.check().map_err(ByShapeError::from)

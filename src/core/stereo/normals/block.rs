@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, Vector3};
 use super::pixel::{PixelNormal, Stage};
 use super::{OUTSIDE, SHADOW_USED, SHADOWED, Tally, UNSOLVED};
 use crate::block::{BLOCK, all_false, all_true, all_zero, combine, sum_of};
+use crate::linear_algebra;
 
 /// The part of the normals that one job writes.
 pub(super) struct Target<'a> {
@@ -34,7 +35,7 @@ impl Kernel {
     pub fn new(stage: &Stage) -> Option<Self> {
         let toward = stage.distant.as_ref()?;
         let matrix = DMatrix::from_fn(toward.len(), 3, |l, axis| toward[l][axis]);
-        let inverse = matrix.pseudo_inverse(0.0).ok()?;
+        let inverse = linear_algebra::pseudo_inverse(&matrix)?;
         Some(Self {
             rows: std::array::from_fn(|axis| inverse.row(axis).iter().map(|&weight| weight as f32).collect()),
             relative: toward.iter().map(|vector| vector.norm().recip() as f32).collect(),

@@ -13,6 +13,7 @@ use thiserror::Error;
 
 use crate::block::JOB;
 use crate::image::photo::{CLIPPED, DARK};
+use crate::linear_algebra;
 use crate::options::{OptionError, check_range};
 use crate::separate::{OUTSIDE, UNSOLVED};
 use crate::{Camera, Marks, Mask, NormalMap, Plane, Watch};
@@ -312,8 +313,8 @@ fn check_lights(lights: &[DirectLight], mask: &Mask, surface: &Surface) -> Resul
 fn spread(lights: &[DirectLight]) -> Result<f64, NormalsError> {
     let directions: Vec<_> =
         lights.iter().map(|light| light.lamp.irradiance_vector(Point3::origin()).normalize()).collect();
-    let singular = DMatrix::from_fn(lights.len(), 3, |l, axis| directions[l][axis]).singular_values();
-    let spread = singular.min() / singular.max();
+    let matrix = DMatrix::from_fn(lights.len(), 3, |l, axis| directions[l][axis]);
+    let spread = linear_algebra::singular_values(&matrix).map_or(0.0, |singular| singular.min() / singular.max());
     if spread > MIN_SPREAD { Ok(spread) } else { Err(NormalsError::LightsInPlane { lights: lights.len(), spread }) }
 }
 

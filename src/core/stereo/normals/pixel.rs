@@ -1,9 +1,10 @@
 //! The normal of one pixel, from the lights that are usable there.
 
-use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::{DirectLight, Lamp, NormalsOptions, REASONS, SHADOW_USED, SHADOWED, Surface};
 use crate::Mask;
+use crate::linear_algebra;
 use crate::separate::UNSOLVED;
 
 /// What all pixels share.
@@ -134,11 +135,11 @@ fn fit(samples: &[Sample]) -> Option<Fit> {
     }
     let matrix: Matrix3<f64> = samples.iter().map(|sample| sample.toward * sample.toward.transpose()).sum();
     let right: Vector3<f64> = samples.iter().map(|sample| sample.toward * sample.light).sum();
-    let inverse = matrix.try_inverse()?;
+    let inverse = linear_algebra::inverse(&matrix)?;
     // The norms bound the condition number without an eigenvalue; only doubtful cases need the exact one.
     let doubtful = matrix.norm() * inverse.norm() > super::MIN_SPREAD.powi(-2);
     if doubtful {
-        let eigenvalues = SymmetricEigen::new(matrix).eigenvalues;
+        let eigenvalues = linear_algebra::symmetric_eigen(matrix)?.eigenvalues;
         if eigenvalues.min() < super::MIN_SPREAD.powi(2) * eigenvalues.max() {
             return None;
         }

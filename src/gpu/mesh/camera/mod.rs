@@ -23,6 +23,11 @@ const NEAREST: f64 = 1e-3;
 /// The eye stays within these multiples of the object's radius.
 const DISTANCES: (f64, f64) = (1e-3, 1e3);
 
+/// Beyond this single precision, which the card draws with, loses the object.
+const MAX_LENGTH: f64 = 1e12;
+/// A few thousand turns.
+const MAX_ANGLE_DEG: f64 = 1e6;
+
 /// How distance shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Lens {
@@ -100,6 +105,15 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// Whether it can look at anything: its numbers come from a file that may say anything.
+    pub fn is_usable(&self) -> bool {
+        let lengths = self.target.iter().copied().chain([self.distance]);
+        let angles = [self.yaw_deg, self.pitch_deg];
+        self.distance > 0.0
+            && lengths.into_iter().all(|length| length.abs() <= MAX_LENGTH)
+            && angles.into_iter().all(|angle| angle.abs() <= MAX_ANGLE_DEG)
+    }
+
     /// Everything in the bounds, seen from a named side, in a view of the given width over height.
     pub fn fitted(bounds: &Bounds, view: StandardView, lens: Lens, aspect: f64) -> Self {
         let (yaw_deg, pitch_deg) = view.turns_deg();

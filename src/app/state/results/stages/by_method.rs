@@ -33,7 +33,7 @@ pub struct Compare(pub Method);
 struct Key {
     mesh: u64,
     /// What scales the albedo, where the method needs it: the grey ball's albedo and light, the light of white.
-    scale: Option<[Option<f64>; 3]>,
+    scale: Option<[Option<u64>; 3]>,
     /// Where the grey ball must be looked at once more, the calibration whose circles count.
     calibrate: Option<u64>,
     options: SolveOptions,
@@ -66,7 +66,9 @@ impl Stage for Compare {
         let (given, needs_scale) = (&known.document.set.calibration, self.0.needs().absolute_albedo);
         Some(AnyKey::new(Key {
             mesh,
-            scale: needs_scale.then_some([given.grey_albedo, rig.calibrated.grey_light, given.white_light]),
+            scale: needs_scale.then(|| {
+                [given.grey_albedo, rig.calibrated.grey_light, given.white_light].map(|x| x.map(f64::to_bits))
+            }),
             calibrate: (needs_scale && rig.calibrated.grey_light.is_none()).then_some(calibrate),
             options: known.document.options(self.0),
         }))

@@ -68,8 +68,10 @@ fn scene<'a>(set: &'a CaptureSet, loaded: &'a Loaded, rig: &'a Calibration) -> R
     Ok(Scene::of(set, object, &rig.calibrated))
 }
 
-fn values(known: &[Known<f64>]) -> Vec<f64> {
-    known.iter().map(|known| known.value).collect()
+/// Measured values as a key holds them: the bits of each. A value may be no number, as on a damaged photo, and NaN is not
+/// equal to itself: such a key would never be that of a result, and its stage would be computed without end.
+fn bits(known: &[Known<f64>]) -> Vec<u64> {
+    known.iter().map(|known| known.value.to_bits()).collect()
 }
 
 /// The set without the values that the file gives.
@@ -80,4 +82,18 @@ fn without_given(set: &CaptureSet) -> CaptureSet {
     set.shape = ShapeSettings::default();
     set.lights.iter_mut().for_each(|light| light.direction = None);
     set
+}
+
+#[cfg(test)]
+mod tests {
+    use firstbounce_capture::pipeline::Source;
+
+    use super::*;
+
+    #[test]
+    fn a_key_of_measured_values_that_are_no_numbers_is_that_of_its_result() {
+        let known = [Known { value: f64::NAN, interval: None, source: Source::GreyBall, pixels: None }];
+        assert_eq!(bits(&known), bits(&known));
+        assert_ne!(bits(&known), bits(&[Known { value: 0.5, ..known[0].clone() }]));
+    }
 }

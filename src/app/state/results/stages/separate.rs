@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use firstbounce_capture::pipeline::{Separated, separate_lights};
 
-use super::{Calibration, Loaded, Step, scene, values};
+use super::{Calibration, Loaded, Step, bits, scene};
 use crate::app::state::document::Document;
 use crate::app::state::results::Results;
 use crate::app::state::results::engine::{AnyKey, Done, Known, Stage, Work};
@@ -18,8 +18,8 @@ pub struct Separate;
 struct Key {
     load: u64,
     lights: Vec<String>,
-    alpha: Vec<Vec<f64>>,
-    beta: Vec<f64>,
+    alpha: Vec<Vec<u64>>,
+    beta: Vec<u64>,
     bounces: usize,
 }
 
@@ -49,8 +49,8 @@ impl Stage for Separate {
         Some(AnyKey::new(Key {
             load,
             lights: set.lights.iter().map(|light| light.name.clone()).collect(),
-            alpha: rig.alpha.iter().map(|alpha| Some(values(alpha.as_ref()?))).collect::<Option<_>>()?,
-            beta: values(rig.beta.as_ref()?),
+            alpha: rig.alpha.iter().map(|alpha| Some(bits(alpha.as_ref()?))).collect::<Option<_>>()?,
+            beta: bits(rig.beta.as_ref()?),
             bounces: set.bounces(),
         }))
     }

@@ -12,7 +12,7 @@ use firstbounce_core::trust::Trust;
 use firstbounce_core::{AngularError, NormalMap, Plane};
 use rayon::prelude::*;
 
-use super::{Calibration, Loaded, Step, scene, values};
+use super::{Calibration, Loaded, Step, bits, scene};
 use crate::app::base::jobs::Job;
 use crate::app::state::document::Document;
 use crate::app::state::results::Results;
@@ -42,9 +42,9 @@ pub struct Recover;
 struct Key {
     separate: u64,
     lights: Vec<String>,
-    directions: Vec<Option<[f64; 3]>>,
+    directions: Vec<Option<[u64; 3]>>,
     positions_mm: Vec<Option<[f64; 3]>>,
-    intensities: Vec<f64>,
+    intensities: Vec<u64>,
     projection: Projection,
     settings: ShapeSettings,
 }
@@ -73,9 +73,13 @@ impl Stage for Recover {
         Some(AnyKey::new(Key {
             separate,
             lights: set.lights.iter().map(|light| light.name.clone()).collect(),
-            directions: rig.direction.iter().map(|known| known.as_ref().map(|known| known.value)).collect(),
+            directions: rig
+                .direction
+                .iter()
+                .map(|known| known.as_ref().map(|known| known.value.map(f64::to_bits)))
+                .collect(),
             positions_mm: set.lights.iter().map(|light| light.position_mm).collect(),
-            intensities: values(&rig.intensity),
+            intensities: bits(&rig.intensity),
             projection: set.camera.projection,
             settings: set.shape.clone(),
         }))
