@@ -25,7 +25,7 @@ pub struct Report {
     /// The order m.
     pub bounces: usize,
     /// By light.
-    pub separation: IndexMap<String, LightWords>,
+    pub separation: IndexMap<String, SeparateReport>,
     /// How far the bounces can be trusted, and why.
     pub trust: TrustWords,
     /// The surface from bounce 1; absent where there is none.
@@ -61,31 +61,6 @@ pub struct SetWords {
     pub lights: Vec<String>,
     /// Names of the colours, the reference first.
     pub colours: Vec<String>,
-}
-
-/// The separation of one light.
-#[derive(Clone, Debug, Serialize)]
-pub struct LightWords {
-    /// Noise of each bounce for unit noise on every photo.
-    pub gain: Vec<f64>,
-    /// Of the matrix beta^k.
-    pub condition_number: f64,
-    /// Mean of each bounce in linear light.
-    pub mean: Vec<f64>,
-    /// Predicted noise of each bounce in linear light.
-    pub noise: Vec<f64>,
-    /// Root mean square of what the bounces leave of the photos; 0 when there are as many bounces as colours.
-    pub residual_rms: f64,
-    /// What noise alone would leave.
-    pub residual_expected: f64,
-    /// Pixels solved.
-    pub solved_pixels: usize,
-    /// Of those, solved without a clipped or dark colour.
-    pub reduced_pixels: usize,
-    /// Pixels left out since clipped.
-    pub unsolved_clipped_pixels: usize,
-    /// Pixels left out since dark.
-    pub unsolved_dark_pixels: usize,
 }
 
 /// A surface.
@@ -206,7 +181,7 @@ impl Report {
             method: if solved.nayar.is_some() { Method::Nayar } else { Method::Bounces }.name(),
             nayar: solved.nayar.as_ref().map(NayarWords::of),
             bounces: solved.separated.reports.first().map_or(0, |report| report.bounces),
-            separation: names.zip(solved.separated.reports.iter().map(LightWords::of)).collect(),
+            separation: names.zip(solved.separated.reports.iter().cloned()).collect(),
             trust,
             conventions: Conventions::of(green, shape.as_ref().map_or("none", |shape| shape.mesh.unit)),
             shape,
@@ -216,25 +191,6 @@ impl Report {
             files,
             warnings,
             stages: solved.stages.clone(),
-        }
-    }
-}
-
-impl LightWords {
-    fn of(report: &SeparateReport) -> Self {
-        let SeparateReport { gain, condition_number, mean, noise, residual_rms, residual_expected, .. } =
-            report.clone();
-        Self {
-            gain,
-            condition_number,
-            mean,
-            noise,
-            residual_rms,
-            residual_expected,
-            solved_pixels: report.solved_pixels,
-            reduced_pixels: report.reduced_pixels,
-            unsolved_clipped_pixels: report.unsolved_clipped_pixels,
-            unsolved_dark_pixels: report.unsolved_dark_pixels,
         }
     }
 }
