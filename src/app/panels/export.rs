@@ -161,7 +161,7 @@ fn pictures(ui: &mut Ui, options: &mut OutputOptions) {
     ui.radio_value(&mut options.green, GreenAxis::Up, "Up, as OpenGL reads it");
     ui.radio_value(&mut options.green, GreenAxis::Down, "Down, as DirectX reads it");
     ui.checkbox(&mut options.depth_png, "Depth as a 16-bit PNG too");
-    let line = "For programs that read no EXR; offset and scale stand in the file and in the report.";
+    let line = "For programs that read no EXR; offset and scale are in the file and in the report.";
     ui.indent("depth", |ui| ui.label(RichText::new(line).small().weak()));
 }
 

@@ -1,4 +1,4 @@
-//! Normals and depth: which lights, how shadows are told, and what taking the bounces out has changed.
+//! The Shape panel: lights, shadow thresholds, and the surface before and after.
 
 mod nayar;
 
@@ -19,7 +19,7 @@ use crate::app::widgets::advice::advice;
 use crate::app::widgets::number_field;
 
 /// Photometric stereo solves for three unknowns.
-const FEWEST_LIGHTS: usize = 3;
+const MIN_LIGHTS: usize = 3;
 
 /// The panel.
 #[derive(Default)]
@@ -66,8 +66,8 @@ fn lights(ui: &mut Ui, session: &mut Session, document: &Document) {
     let used = document.set.lights.iter().filter(|light| !left_out.contains(&light.name)).count();
     for light in &document.set.lights {
         let mut is_used = !left_out.contains(&light.name);
-        // Three lights are the fewest that tell a normal; the fourth can be spared.
-        let can_change = !is_used || used > FEWEST_LIGHTS;
+        // A normal needs at least three lights; the fourth can be spared.
+        let can_change = !is_used || used > MIN_LIGHTS;
         let check =
             ui.add_enabled(can_change, eframe::egui::Checkbox::new(&mut is_used, format!("Use {}", light.name)));
         if check.on_disabled_hover_text("Normals need at least three lights").changed() {
@@ -116,17 +116,17 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
             }
             ui.end_row();
         };
-        let near = "How often near lamps are placed anew over the depth; distant lamps need one round";
-        whole(ui, "Rounds for near lamps", near, "", &mut settings.rounds, 1..=10);
-        let window = "Half width of the window in which the noise of indirect light is averaged; 0 for none";
-        whole(ui, "Indirect window", window, " px", &mut settings.indirect_radius_px, 0..=64);
+        let near = "How often the directions to near lamps are computed again from the depth; distant lamps need one iteration";
+        whole(ui, "Near-light iterations", near, "", &mut settings.rounds, 1..=10);
+        let window = "Half width of the window over which the indirect light is denoised; 0 for none";
+        whole(ui, "Denoising window", window, " px", &mut settings.indirect_radius_px, 0..=64);
     });
     if let Some(name) = changed {
         session.edit(&name, |document| document.settings.shape = settings);
     }
     let default = ShapeSettings { left_out: document.settings.shape.left_out.clone(), ..ShapeSettings::default() };
     let is_default = document.settings.shape == default;
-    if ui.add_enabled(!is_default, Button::new("Back to the command line's defaults")).clicked() {
+    if ui.add_enabled(!is_default, Button::new("Reset to defaults")).clicked() {
         session.edit("Reset shape options", |document| document.settings.shape = default);
     }
 }
@@ -144,7 +144,7 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     let by_nayar = session.results.by_nayar().filter(|_| is_ready);
     let mut columns = vec![("before", &shapes.before), ("after", &shapes.after)];
     columns.extend(by_nayar.as_ref().map(|found| ("by Nayar's method", &found.shape)));
-    ui.label(RichText::new("Before and after the bounces were taken out").strong());
+    ui.label(RichText::new("Before and after separation").strong());
     Grid::new("before and after").num_columns(1 + columns.len()).striped(true).show(ui, |ui| {
         ui.label("");
         for (heading, _) in &columns {
@@ -161,7 +161,7 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     });
     if let Some(turned) = shapes.turned {
         ui.label(format!(
-            "The normals turned by {:.2} degrees on the mean, {:.2} in the median.",
+            "Mean change of the normals {:.2} degrees, median {:.2} degrees.",
             turned.mean_deg, turned.median_deg
         ));
     }
@@ -185,10 +185,10 @@ type Row = (&'static str, fn(&Shape) -> String);
 const ROWS: &[Row] = &[
     ("Pixels with a normal", |shape| shape.report.normals.solved_pixels.to_string()),
     ("Pixels without", |shape| shape.report.normals.unsolved_pixels.to_string()),
-    ("With shadowed lights left out", |shape| shape.report.normals.shadowed_pixels.to_string()),
+    ("With shadowed lights excluded", |shape| shape.report.normals.shadowed_pixels.to_string()),
     ("Expected noise, degrees", |shape| format!("{:.2}", shape.report.normals.mean_noise_deg)),
     ("Mean albedo", |shape| format!("{:.4}", shape.report.normals.mean_albedo)),
-    ("Condition of the lamps", |shape| format!("{:.2}", shape.report.normals.condition_number)),
+    ("Condition number of the light matrix", |shape| format!("{:.2}", shape.report.normals.condition_number)),
     ("Slope residual of the depth", |shape| format!("{:.4}", shape.depth.report.rms_slope_residual)),
     ("Unconnected parts", |shape| shape.depth.report.islands.to_string()),
 ];

@@ -44,7 +44,7 @@ impl PanelName {
         }
     }
 
-    /// How the step stands.
+    /// The state of the step.
     pub fn state(self, session: &Session) -> StageState {
         let state = session.results.state(self.stage(), &session.document());
         match (self, &state) {

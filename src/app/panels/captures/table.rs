@@ -148,7 +148,7 @@ impl Table {
         }
     }
 
-    /// Looks at the photos anew where they or the balls' circles have changed, on a worker.
+    /// Looks at the photos again where they or the balls' circles have changed, on a worker.
     fn look(&mut self, ui: &Ui, session: &mut Session) {
         if let Some((key, task)) = self.looking.take() {
             match task.poll() {

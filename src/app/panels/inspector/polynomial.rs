@@ -13,7 +13,7 @@ use crate::app::widgets::advice::advice;
 
 const HEIGHT: f32 = 170.0;
 const SAMPLES: usize = 60;
-/// Fill of each bounce, to be told apart in dark and light and without colour vision.
+/// Fill of each bounce, to be distinguished in dark and light and without colour vision.
 const BOUNCES: [Color32; 4] = [
     Color32::from_rgb(86, 180, 233),
     Color32::from_rgb(230, 159, 0),
@@ -106,7 +106,7 @@ fn table(ui: &mut Ui, pixel: &PixelPolynomial, document: &Document) {
         }
         if pixel.measured.len() > pixel.bounces.len() {
             for (colour, left) in document.set.colours.iter().zip(pixel.residuals()) {
-                ui.label(format!("Left over, {}", colour.name));
+                ui.label(format!("Residual, {}", colour.name));
                 ui.monospace(number(left));
                 ui.end_row();
             }

@@ -74,7 +74,7 @@ impl Separate {
 /// m as a choice of 1 to n.
 fn order(ui: &mut Ui, document: &Document, session: &mut Session) {
     let (colours, chosen) = (document.set.colours.len(), document.set.bounces());
-    ui.label(RichText::new("Order m: bounces to tell apart").strong());
+    ui.label(RichText::new("Order m: bounces to separate").strong());
     ui.horizontal_wrapped(|ui| {
         for m in 1..=colours.max(chosen) {
             let choice = ui.radio(m == chosen, format!("m = {m}"));
@@ -84,7 +84,7 @@ fn order(ui: &mut Ui, document: &Document, session: &mut Session) {
         }
     });
     if document.set.separation.bounces.is_none() {
-        ui.label(RichText::new("The set leaves m to the program.").weak());
+        ui.label(RichText::new("The set does not give m: the program chooses.").weak());
     }
 }
 
@@ -94,8 +94,8 @@ fn choose_order(session: &mut Session, m: usize) {
 
 fn order_words(m: usize) -> &'static str {
     match m {
-        1 => "All light counts as direct: nothing is taken out",
-        2 => "Direct light, and light that bounced twice: a good model of many scenes, and the quietest",
+        1 => "All light counts as direct: nothing is removed",
+        2 => "Direct light, and light that bounced twice: a good model of many scenes, with the least noise",
         _ => "Follows deep cavities better, and costs more noise",
     }
 }

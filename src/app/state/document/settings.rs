@@ -1,4 +1,4 @@
-//! What a person chooses in the window beyond capture.toml.
+//! The window's settings beyond capture.toml.
 
 use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
 use firstbounce_core::denoise::DenoiseOptions;

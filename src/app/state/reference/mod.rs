@@ -28,7 +28,7 @@ pub struct Loaded {
     pub mesh: Arc<Mesh>,
     /// What it is, in words.
     pub words: String,
-    /// What a person should know of it.
+    /// What the user should know of it.
     pub warnings: Vec<String>,
 }
 
@@ -57,7 +57,7 @@ pub struct LastComparison {
     pub outcome: Result<Arc<Outcome>, String>,
 }
 
-/// What a frame's update found that changes the document or is to be told.
+/// What a frame's update found that changes the document or is to be reported.
 pub enum News {
     /// The surfaces were aligned.
     Aligned(Poses),

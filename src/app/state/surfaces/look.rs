@@ -1,4 +1,4 @@
-//! How a 3D view shows the surfaces: what a person chose, kept with the arrangement of views.
+//! The look of a 3D view: the user's choices, kept with the layout.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use crate::gpu::mesh::{Bounds, Camera, Lens, StandardView};
 pub enum LayerName {
     /// From bounce 1.
     After,
-    /// From the photos as they are.
+    /// From the photos with all their light.
     Before,
     /// By Nayar's method, where it was asked for.
     Nayar,
@@ -25,7 +25,7 @@ impl LayerName {
     pub fn title(self) -> &'static str {
         match self {
             Self::After => "Bounce 1",
-            Self::Before => "Raw photos",
+            Self::Before => "Before",
             Self::Nayar => "Nayar's method",
             Self::Reference => "Reference",
         }
@@ -35,7 +35,7 @@ impl LayerName {
     pub fn in_sentence(self) -> &'static str {
         match self {
             Self::After => "bounce 1",
-            Self::Before => "raw photos",
+            Self::Before => "before",
             Self::Nayar => "Nayar's method",
             Self::Reference => "reference",
         }
@@ -118,7 +118,7 @@ pub struct SurfaceLook {
     pub wireframe: bool,
     /// Bounce 1: green, as in the paper's figures.
     pub after: LayerLook,
-    /// Raw photos: cyan.
+    /// Before: cyan.
     pub before: LayerLook,
     /// Nayar's method: violet.
     pub nayar: LayerLook,
@@ -193,7 +193,7 @@ impl SurfaceLook {
     }
 
     /// Takes the eye to a named side, everything in sight.
-    pub fn stand(&mut self, view: StandardView, bounds: &Bounds, aspect: f64) {
+    pub fn look_from(&mut self, view: StandardView, bounds: &Bounds, aspect: f64) {
         self.camera = Some(Camera::fitted(bounds, view, self.lens, aspect));
     }
 }

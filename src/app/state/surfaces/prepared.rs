@@ -9,7 +9,7 @@ use crate::app::state::results::{ByNayar, Meshes};
 use crate::gpu::mesh::Geometry;
 
 /// Meshes with more triangles are shown coarser.
-const MOST_TRIANGLES: usize = 1_000_000;
+const MAX_TRIANGLES: usize = 1_000_000;
 /// How many triangles are shown of those.
 const COARSE_TRIANGLES: usize = 500_000;
 
@@ -18,7 +18,7 @@ const COARSE_TRIANGLES: usize = 500_000;
 pub enum Source {
     /// From bounce 1.
     After(Arc<Meshes>),
-    /// From the photos as they are.
+    /// From the photos with all their light.
     Before(Arc<Meshes>),
     /// By Nayar's method.
     Nayar(Arc<ByNayar>),
@@ -68,7 +68,7 @@ pub struct Prepared {
 impl Prepared {
     /// Makes a mesh ready; an error for one without triangles.
     pub fn new(source: Source) -> Result<Self, String> {
-        Self::with_limit(source, MOST_TRIANGLES, COARSE_TRIANGLES)
+        Self::with_limit(source, MAX_TRIANGLES, COARSE_TRIANGLES)
     }
 
     fn with_limit(source: Source, most: usize, coarse: usize) -> Result<Self, String> {
@@ -98,7 +98,7 @@ impl Prepared {
         }
     }
 
-    /// What a person should know of a surface that is shown coarser than it is.
+    /// What the user should know of a surface that is shown coarser than it is.
     pub fn words(&self) -> Option<String> {
         let (_, mesh) = self.coarse.as_ref()?;
         Some(format!(
