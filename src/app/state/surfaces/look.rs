@@ -1,5 +1,7 @@
 //! How a 3D view shows the surfaces: what a person chose, kept with the arrangement of views.
 
+use std::collections::BTreeMap;
+
 use firstbounce_capture::pipeline::Method;
 use serde::{Deserialize, Serialize};
 
@@ -126,8 +128,10 @@ pub struct SurfaceLook {
     pub after: LayerLook,
     /// Raw photos: cyan.
     pub before: LayerLook,
-    /// Any other method: violet.
+    /// Other methods, until one is changed: violet.
     pub nayar: LayerLook,
+    /// Those that were changed.
+    pub others: BTreeMap<Method, LayerLook>,
     /// The scan: red.
     pub reference: LayerLook,
     /// When the layers wear these colours.
@@ -152,6 +156,7 @@ impl Default for SurfaceLook {
             after: layer(true, [112, 196, 112]),
             before: layer(false, [84, 196, 214]),
             nayar: layer(false, [178, 140, 222]),
+            others: BTreeMap::new(),
             reference: layer(true, [222, 98, 88]),
             colours: LayerColours::default(),
             lens: Lens::default(),
@@ -167,7 +172,7 @@ impl SurfaceLook {
         match name {
             LayerName::AFTER => &self.after,
             LayerName::Surface(SurfaceName::Before) => &self.before,
-            LayerName::Surface(SurfaceName::After(_)) => &self.nayar,
+            LayerName::Surface(SurfaceName::After(method)) => self.others.get(&method).unwrap_or(&self.nayar),
             LayerName::Reference => &self.reference,
         }
     }
@@ -177,7 +182,7 @@ impl SurfaceLook {
         match name {
             LayerName::AFTER => &mut self.after,
             LayerName::Surface(SurfaceName::Before) => &mut self.before,
-            LayerName::Surface(SurfaceName::After(_)) => &mut self.nayar,
+            LayerName::Surface(SurfaceName::After(method)) => self.others.entry(method).or_insert(self.nayar),
             LayerName::Reference => &mut self.reference,
         }
     }
