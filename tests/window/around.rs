@@ -8,7 +8,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use firstbounce::app::state::document::Recovered;
 use firstbounce::app::state::layout::Shown;
 use firstbounce::app::state::panel::PanelName;
-use firstbounce::app::state::results::When;
+use firstbounce::app::state::results::SurfaceName;
 use firstbounce::app::state::session::Open;
 use firstbounce::app::window::commands::CommandId;
 use tempfile::TempDir;
@@ -153,7 +153,7 @@ fn another_set_dropped_asks_before_unsaved_edits_are_left() {
 fn comparing() -> Hands {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.session().views.show(Shown::Normals(When::After));
+    hands.session().views.show(Shown::Normals(SurfaceName::AFTER));
     hands.steps();
     hands.choose_picture("Compare", "Surface", "Normals before");
     hands
@@ -225,7 +225,7 @@ fn a_set_that_is_edited_asks_before_the_demo_takes_its_place() {
 fn the_next_run_begins_with_the_set_and_the_views_of_the_last() {
     let mut hands = Hands::with_demo();
     hands.press(Modifiers::COMMAND, Key::Backslash);
-    hands.session().views.show(Shown::Depth(When::Before));
+    hands.session().views.show(Shown::Depth(SurfaceName::Before));
     hands.press(Modifiers::COMMAND, Key::S);
     let set = hands.session().document().set.folder.clone();
     let mut next = Hands::with_folder(ended(hands));
@@ -233,7 +233,7 @@ fn the_next_run_begins_with_the_set_and_the_views_of_the_last() {
     next.steps();
     assert_eq!(next.session().document().set.folder, set);
     let shown: Vec<_> = next.session().views.all().map(|view| view.shown.clone()).collect();
-    assert!(shown.len() == 2 && shown.contains(&Shown::Depth(When::Before)), "{shown:?}");
+    assert!(shown.len() == 2 && shown.contains(&Shown::Depth(SurfaceName::Before)), "{shown:?}");
 }
 
 #[test]

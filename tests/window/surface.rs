@@ -24,7 +24,7 @@ fn with_surface() -> Hands {
     push(&mut hands, "Show the surface in 3D");
     hands.wait_until("the surface in 3D", |session| {
         session.surfaces.is_at_rest()
-            && session.surfaces.layer(firstbounce::app::state::surfaces::LayerName::After).is_some()
+            && session.surfaces.layer(firstbounce::app::state::surfaces::LayerName::AFTER).is_some()
     });
     hands
 }
@@ -59,7 +59,7 @@ fn click_at(hands: &mut Hands, pos: Pos2) {
     hands.harness.run_steps(40);
 }
 
-fn after(hands: &mut Hands) -> Mesh {
+fn after(hands: &mut Hands) -> std::sync::Arc<Mesh> {
     hands.session().results.meshes().expect("meshes").after.clone()
 }
 

@@ -3,3 +3,4 @@
 pub mod bars;
 pub mod dialogs;
 pub mod jobs;
+pub mod keyed;

@@ -274,9 +274,12 @@ impl Session {
 
     /// Makes ready what 3D views show. Once a frame for as long as one is on the screen.
     pub fn update_surfaces(&mut self) {
-        let by_nayar = self.results.by_nayar().filter(|_| self.document().settings.nayar.compute);
-        let reference = self.reference.mesh();
-        self.surfaces.update(self.results.meshes(), by_nayar, reference, &mut self.jobs);
+        let (document, results, reference) = (self.document(), &self.results, &self.reference);
+        let mesh = |name: LayerName| match name {
+            LayerName::Surface(name) => results.mesh(name, &document.settings),
+            LayerName::Reference => reference.mesh(),
+        };
+        self.surfaces.update(mesh, &mut self.jobs);
     }
 
     /// Once a frame: takes finished work, starts what is stale, notices what happened on the disk.

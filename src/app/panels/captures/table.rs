@@ -116,7 +116,8 @@ impl Table {
             return;
         };
         let loaded = session.results.loaded();
-        let failed = loaded.as_ref().and_then(|loaded| loaded.shot(name)?.photo.as_ref().err()).cloned();
+        let failed =
+            loaded.as_ref().and_then(|loaded| loaded.shot(name)?.photo.as_ref().err()).map(ToString::to_string);
         let seen = self.seen.as_ref().and_then(|seen| seen.cells.iter().find(|(known, ..)| known == name));
         let texture = seen.and_then(|(_, _, texture)| texture.as_ref());
         let wrong: Vec<&String> = cell.problems.iter().chain(&failed).collect();

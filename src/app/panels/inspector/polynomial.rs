@@ -44,14 +44,15 @@ fn of_pixel(
     session: &Session,
 ) -> Result<PixelPolynomial, String> {
     let loaded = session.results.loaded().ok_or("The photos are being read.")?;
-    let object = loaded.object.as_ref().map_err(Clone::clone)?;
+    let object = loaded.object.as_ref().map_err(ToString::to_string)?;
     let rig = session.results.rig(document);
     let system = rig.system(light)?;
     let index = rig.lights.iter().position(|name| name == light).ok_or("There is no such light.")?;
     let photos = object.photos.get(index).ok_or("This light is being read.")?;
     let inside = photos.iter().all(|photo| x < photo.linear.width() && y < photo.linear.height());
     let (Some(alpha), Some(beta), true) = (&rig.alpha[index], &rig.beta, inside) else {
-        return Err(rig.missing().unwrap_or_else(|| "The pixel lies outside the object's photos.".into()));
+        let outside = || "The pixel lies outside the object's photos.".into();
+        return Err(rig.missing().map_or_else(outside, |missing| missing.to_string()));
     };
     if photos.len() != system.operator.ncols() {
         return Err("The photos are being read.".into());

@@ -7,6 +7,7 @@ mod verdict;
 
 use eframe::egui::{RichText, Ui};
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::pipeline::SolveOptions;
 use firstbounce_core::trust::{Rig, Trust, TrustOptions, judge};
 
 use super::Panel;
@@ -37,7 +38,7 @@ impl Panel for Separate {
         order(ui, &document, session);
         let options = TrustOptions {
             bounces: document.set.bounces(),
-            denoise: document.settings.shape.options().denoise,
+            denoise: SolveOptions::of(&document.set.shape).denoise,
             ..TrustOptions::default()
         };
         let trust = self.verdict(&document, options, session);

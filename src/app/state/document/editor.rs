@@ -94,7 +94,9 @@ impl Editor {
 
     fn of(reading: Reading, settings: Settings, file: FileOnDisk) -> Self {
         let unread = if reading.complete { Vec::new() } else { reading.problems };
-        let document = Arc::new(Document { set: reading.set, settings });
+        let mut document = Document { set: reading.set, settings };
+        document.settings.take_over(&mut document.set);
+        let document = Arc::new(document);
         let mut editor = Self { saved: document.clone(), document, file, unread, ..Self::default() };
         editor.judge();
         editor

@@ -157,7 +157,8 @@ impl Reference {
         let LastComparison { basis, outcome } = self.compared.as_ref()?;
         let outcome = outcome.as_ref().ok()?;
         let of = outcome.of(layer)?;
-        if !prepared.source.is_result(&basis.meshes) {
+        let is_result = |mesh: &Arc<Mesh>| Arc::ptr_eq(mesh, &prepared.source);
+        if !is_result(&basis.meshes.after) && !is_result(&basis.meshes.before) {
             return None;
         }
         let p95_mm = of.comparison.p95_mm;

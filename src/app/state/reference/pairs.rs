@@ -19,7 +19,7 @@ pub struct Pairs {
 impl Pairs {
     /// The surface that the next point belongs on.
     pub fn next(&self) -> LayerName {
-        if self.on_surface.len() > self.on_reference.len() { LayerName::Reference } else { LayerName::After }
+        if self.on_surface.len() > self.on_reference.len() { LayerName::Reference } else { LayerName::AFTER }
     }
 
     /// Takes the next point.
@@ -77,7 +77,7 @@ mod tests {
     fn points_go_to_the_two_surfaces_in_turn() {
         let mut pairs = Pairs::default();
         for step in 0..6 {
-            let expected = if step % 2 == 0 { LayerName::After } else { LayerName::Reference };
+            let expected = if step % 2 == 0 { LayerName::AFTER } else { LayerName::Reference };
             assert_eq!((pairs.next(), pairs.is_enough()), (expected, false));
             pairs.add(Point3::new(f64::from(step), 0.0, 0.0));
         }

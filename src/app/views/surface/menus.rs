@@ -6,6 +6,7 @@ use eframe::egui::{Button, Checkbox, DragValue, PopupCloseBehavior, Ui};
 use super::canvas::{bounds, seen};
 use super::tool::{Tool, ViewState};
 use crate::app::state::document::Document;
+use crate::app::state::results::{StageError, SurfaceName};
 use crate::app::state::session::Session;
 use crate::app::state::surfaces::{LayerColours, LayerName, Shade, SurfaceLook};
 use crate::gpu::mesh::{Lens, StandardView};
@@ -70,16 +71,16 @@ fn shading(ui: &mut Ui, look: &mut SurfaceLook, document: &Document) {
 }
 
 fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
-    for name in LayerName::ALL {
+    for name in LayerName::all() {
         let is_there = session.surfaces.layer(name).is_some();
         let layer = look.layer_mut(name);
         ui.horizontal(|ui| {
             let show =
                 ui.add_enabled(is_there, Checkbox::new(&mut layer.visible, format!("Show {}", name.in_sentence())));
             show.on_disabled_hover_text(match name {
-                LayerName::Reference => "Load a reference in the Shape step",
-                LayerName::Nayar => "Tick \"Also solve by Nayar's method\" in the Shape step",
-                LayerName::After | LayerName::Before => "This surface is not computed yet",
+                LayerName::Reference => "Load a reference in the Shape step".into(),
+                LayerName::AFTER | LayerName::Surface(SurfaceName::Before) => "This surface is not computed yet".into(),
+                LayerName::Surface(SurfaceName::After(method)) => StageError::NotAsked { method }.to_string(),
             });
         });
         ui.indent(name.title(), |ui| {
@@ -101,7 +102,7 @@ fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
     }
     let own = SurfaceLook::default();
     if ui.button("The paper's colours").on_hover_text("Bounce 1 green, before cyan, reference red").clicked() {
-        for name in LayerName::ALL {
+        for name in LayerName::all() {
             look.layer_mut(name).colour = own.layer(name).colour;
         }
     }

@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     fn at(x: f64, y: f64, z: f64) -> Picked {
-        Picked { layer: LayerName::After, point: Point3::new(x, y, z) }
+        Picked { layer: LayerName::AFTER, point: Point3::new(x, y, z) }
     }
 
     #[test]
