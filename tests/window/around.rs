@@ -149,7 +149,7 @@ fn another_set_dropped_asks_before_unsaved_edits_are_left() {
     assert_eq!(hands.session().document().set.folder, other);
 }
 
-/// The demo with its normals in view, compared with those of the photos as they are.
+/// The demo with its normals in view, compared with those before.
 fn comparing() -> Hands {
     let mut hands = Hands::with_demo();
     hands.rest();
@@ -243,7 +243,7 @@ fn work_that_was_cancelled_says_so_and_is_taken_up_again_on_demand() {
     hands.session().open(Open::Set(set));
     hands.run(CommandId::CancelJobs);
     hands.harness.run_steps(1);
-    hands.wait_to_see("cancelled; \"Retry\" (F9) starts it anew");
+    hands.wait_to_see("cancelled; \"Retry\" (F9) starts it again");
     hands.press(Modifiers::NONE, Key::F9);
     hands.rest();
     assert!(hands.session().results.meshes().is_some());

@@ -2,8 +2,7 @@
 
 use eframe::egui::{Color32, Panel, RichText, Ui};
 
-use crate::app::state::panel::PanelName;
-use crate::app::state::results::StageState;
+use crate::app::state::panel::{PanelName, StepState};
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::sentence;
 use crate::app::widgets::theme;
@@ -23,7 +22,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
             }
             ui.label(RichText::new(words).color(colour));
         });
-        let (StageState::Failed { line } | StageState::Blocked { line }) = state else { continue };
+        let (StepState::Failed { line } | StepState::Incomplete { line } | StepState::Empty { line }) = state else { continue };
         if reported.is_empty() || !line.contains(&reported) {
             ui.indent(number, |ui| ui.label(RichText::new(sentence(&line)).color(colour)));
             reported = line;
@@ -50,13 +49,14 @@ pub fn next(ui: &mut Ui, session: &mut Session) {
     });
 }
 
-fn words(state: &StageState, ui: &Ui) -> (String, Color32) {
+fn words(state: &StepState, ui: &Ui) -> (String, Color32) {
     let visuals = ui.visuals();
     match state {
-        StageState::Stale => ("waiting".into(), visuals.weak_text_color()),
-        StageState::Running { fraction } => (format!("{:.0} %", 100.0 * fraction), visuals.hyperlink_color),
-        StageState::Ready => ("\u{2714} ready".into(), theme::fine(visuals)),
-        StageState::Failed { .. } => ("failed".into(), visuals.error_fg_color),
-        StageState::Blocked { .. } => ("incomplete".into(), visuals.warn_fg_color),
+        StepState::Empty { .. } => ("empty".into(), visuals.weak_text_color()),
+        StepState::Incomplete { .. } => ("incomplete".into(), visuals.warn_fg_color),
+        StepState::Running { fraction } => (format!("running, {:.0} %", 100.0 * fraction), visuals.hyperlink_color),
+        StepState::Ready => ("\u{2714} ready".into(), theme::fine(visuals)),
+        StepState::TakeCare => ("take care".into(), visuals.warn_fg_color),
+        StepState::Failed { .. } => ("failed".into(), visuals.error_fg_color),
     }
 }

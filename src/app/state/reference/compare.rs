@@ -27,7 +27,7 @@ pub enum How {
 pub struct Outcome {
     /// From bounce 1.
     pub after: Compared,
-    /// From the raw photos, or why it could not be compared.
+    /// Before, or why it could not be compared.
     pub before: Result<Compared, String>,
     /// The distances of bounce 1.
     pub bars: Bars,
@@ -106,7 +106,7 @@ fn outcome(how: &How, poses: Option<Poses>, meshes: &Meshes, reference: &Mesh, j
             .map_err(|error| error.to_string())
     };
     let after = one(how, true, &meshes.after, poses.map(|poses| poses.after), 0.0)?;
-    // Both come from one camera: where bounce 1 lies, the raw photos' surface lies nearly too, and need not be searched for.
+    // Both come from one camera: where bounce 1 lies, the surface before lies nearly too, and need not be searched for.
     let (how, search) = match &after.alignment {
         Some(found) => (How::Align(Start::Pose(found.moving_to_fixed)), false),
         None => (how.clone(), true),

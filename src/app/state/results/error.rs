@@ -52,7 +52,7 @@ pub enum StageError {
     #[error("the step before is not done yet")]
     TooEarly,
     /// The user cancelled.
-    #[error("cancelled; \"Compute again what failed\" (F9) starts it again")]
+    #[error("cancelled; \"Retry\" (F9) starts it again")]
     Cancelled,
     /// The job ended without a word.
     #[error("{0}")]

@@ -20,7 +20,7 @@ pub enum LayerName {
 impl LayerName {
     /// From bounce 1.
     pub const AFTER: Self = Self::Surface(SurfaceName::AFTER);
-    /// From the photos as they are.
+    /// From the photos with all their light.
     pub const BEFORE: Self = Self::Surface(SurfaceName::Before);
 
     /// All, in the order of the list.
