@@ -1,11 +1,14 @@
 //! Work off the UI thread, with a name, progress and cancel.
 
+use std::convert::Infallible;
+use std::error::Error;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{self, TryRecvError};
 use std::sync::{Arc, Weak};
 
 use firstbounce_capture::pipeline::{PipelineWatch, Stage};
 use firstbounce_core::Watch;
+use thiserror::Error as ThisError;
 
 /// Asks for a repaint, from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -69,10 +72,24 @@ impl PipelineWatch for Job {
     }
 }
 
+/// Why a job gave no result, in one line for the user.
+#[derive(Clone, Debug, ThisError)]
+pub enum JobError {
+    /// The work failed.
+    #[error("{}", .0.to_string().replace('\n', " "))]
+    Failed(Arc<dyn Error + Send + Sync>),
+    /// It ended without an outcome.
+    #[error("{name} stopped unexpectedly")]
+    Lost {
+        /// The job.
+        name: String,
+    },
+}
+
 /// Work that was started and will give a `T`.
 pub struct Task<T> {
     job: Arc<Job>,
-    outcome: mpsc::Receiver<Result<T, String>>,
+    outcome: mpsc::Receiver<Result<T, JobError>>,
 }
 
 impl<T> Task<T> {
@@ -81,12 +98,12 @@ impl<T> Task<T> {
         &self.job
     }
 
-    /// What came out, once; `None` while the work goes on. An error is one line for the user.
-    pub fn poll(&self) -> Option<Result<T, String>> {
+    /// What came out, once; `None` while the work goes on.
+    pub fn poll(&self) -> Option<Result<T, JobError>> {
         match self.outcome.try_recv() {
             Ok(outcome) => Some(outcome),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err(format!("{} stopped unexpectedly", self.job.name))),
+            Err(TryRecvError::Disconnected) => Some(Err(JobError::Lost { name: self.job.name.clone() })),
         }
     }
 }
@@ -124,10 +141,10 @@ impl Jobs {
     }
 
     /// Runs `work` on its own thread under a name: "Export report".
-    pub fn start<T: Send + 'static>(
+    pub fn start<T: Send + 'static, E: Error + Send + Sync + 'static>(
         &mut self,
         name: impl Into<String>,
-        work: impl FnOnce(&Job) -> Result<T, String> + Send + 'static,
+        work: impl FnOnce(&Job) -> Result<T, E> + Send + 'static,
     ) -> Task<T> {
         let job = Arc::new(Job {
             name: name.into(),
@@ -144,7 +161,7 @@ impl Jobs {
             // Dropped last, also when the work panics: whoever wakes finds the outcome there and the job gone.
             let _wake = WakeOnDrop(at_work.wake.clone());
             let (sender, at_work) = (sender, at_work);
-            let result = work(&at_work);
+            let result = work(&at_work).map_err(|error| JobError::Failed(Arc::new(error)));
             drop(at_work);
             // The receiver may be gone.
             let _ = sender.send(result);
@@ -152,7 +169,16 @@ impl Jobs {
         Task { job, outcome }
     }
 
-    /// The jobs that are at work, the oldest first.
+    /// The same for work that cannot fail.
+    pub fn compute<T: Send + 'static>(
+        &mut self,
+        name: impl Into<String>,
+        work: impl FnOnce(&Job) -> T + Send + 'static,
+    ) -> Task<T> {
+        self.start(name, |job| Ok::<_, Infallible>(work(job)))
+    }
+
+    /// The jobs that are running, the oldest first.
     pub fn running(&self) -> Vec<Arc<Job>> {
         // A task that waits to be polled holds its job too: two owners are at work, one is done.
         self.running.iter().filter(|job| job.strong_count() > 1).filter_map(Weak::upgrade).collect()

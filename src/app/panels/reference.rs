@@ -78,8 +78,8 @@ fn state(ui: &mut Ui, session: &Session) {
     match session.reference.loaded() {
         None if session.reference.is_loading() => advice(ui, "The reference is being read."),
         None => advice(ui, "Load a scan of the object to see how far the surface is from it."),
-        Some(Err(line)) => {
-            ui.colored_label(ui.visuals().error_fg_color, line);
+        Some(Err(error)) => {
+            ui.colored_label(ui.visuals().error_fg_color, error.to_string());
         }
         Some(Ok(loaded)) => {
             ui.label(&loaded.words);
@@ -144,10 +144,10 @@ fn numbers(ui: &mut Ui, session: &mut Session, document: &Document) {
         }
         return;
     };
-    let outcome = match &compared.outcome {
+    let outcome = match compared {
         Ok(outcome) => outcome.clone(),
-        Err(line) => {
-            ui.colored_label(ui.visuals().error_fg_color, line);
+        Err(error) => {
+            ui.colored_label(ui.visuals().error_fg_color, error.to_string());
             return;
         }
     };

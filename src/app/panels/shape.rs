@@ -11,7 +11,7 @@ use firstbounce_core::stereo::shape::Shape;
 
 use super::Panel;
 use super::reference::ReferencePanel;
-use crate::app::base::jobs::Task;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{Shapes, StageState, Step, SurfaceName, stage_of};
@@ -25,9 +25,8 @@ const MIN_LIGHTS: usize = 3;
 /// The panel.
 #[derive(Default)]
 pub struct ShapePanel {
-    evaluating: Option<(Arc<Document>, Task<Evaluation>)>,
-    /// What the truth said, and of which document.
-    evaluated: Option<(Arc<Document>, Result<Evaluation, String>)>,
+    /// What the truth says of a document.
+    evaluated: Keyed<Arc<Document>, Evaluation>,
     reference: ReferencePanel,
 }
 
@@ -50,8 +49,8 @@ impl Panel for ShapePanel {
             before_and_after(ui, session, &shapes);
         }
         ui.separator();
-        let evaluated = self.evaluated.as_ref().filter(|(of, _)| *of == document);
-        let errors = evaluated.and_then(|(_, evaluation)| evaluation.as_ref().ok()?.nayar.as_ref());
+        let evaluated = self.evaluated.of(&document).and_then(|outcome| outcome.as_ref().ok());
+        let errors = evaluated.and_then(|evaluation| evaluation.nayar.as_ref());
         methods::ui(ui, session, &document, errors);
         self.truth(ui, session, &document);
         self.reference.ui(ui, session, &document);
@@ -203,22 +202,16 @@ impl ShapePanel {
         }
         ui.separator();
         ui.label(RichText::new("Against the truth of this set").strong());
-        let finished = self.evaluating.as_ref().and_then(|(of, task)| Some((of.clone(), task.poll()?)));
-        if finished.is_some() {
-            self.evaluating = None;
-            self.evaluated = finished;
-        }
-        let free = self.evaluating.is_none();
+        self.evaluated.poll();
+        let free = self.evaluated.running().is_none();
         if ui.add_enabled(free, Button::new("Compare with the truth")).clicked() {
             let (set, options) = (document.set.clone(), options_of(document));
-            let task = session.jobs.start("Compare with the truth", move |job| {
-                evaluate(&set, &options, job).map_err(|error| error.to_string())
-            });
-            self.evaluating = Some((document.clone(), task));
+            let task = session.jobs.start("Compare with the truth", move |job| evaluate(&set, &options, job));
+            self.evaluated.start(document.clone(), task);
         }
-        match &self.evaluated {
-            Some((_, Err(line))) => {
-                ui.colored_label(ui.visuals().error_fg_color, line);
+        match self.evaluated.last() {
+            Some((_, Err(error))) => {
+                ui.colored_label(ui.visuals().error_fg_color, error.to_string());
             }
             Some((of, Ok(evaluation))) => {
                 evaluation_ui(ui, evaluation);

@@ -38,7 +38,7 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Ca
                 }
                 canvas(ui, view, &shown, session, canvases, overlay);
             }
-            Err(line) => advice_in_the_middle(ui, &line),
+            Err(error) => advice_in_the_middle(ui, &error.to_string()),
         }
     });
 }

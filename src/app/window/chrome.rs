@@ -12,14 +12,8 @@ use crate::app::window::simulate::NewSet;
 
 /// What is open around the panels.
 pub struct Chrome {
-    /// Whether the steps are shown.
-    pub steps: bool,
-    /// Whether the inspector is shown.
-    pub inspector: bool,
-    /// Whether the log is shown.
-    pub log: bool,
-    /// Whether the About window is open.
-    pub about: bool,
+    /// Which parts of the window are shown.
+    pub shows: Parts,
     /// Commands by their letters.
     pub palette: Palette,
     /// Commands with their keys.
@@ -36,6 +30,18 @@ pub struct Chrome {
     may_close: bool,
 }
 
+/// The parts of the window that can be hidden: whether each is shown.
+pub struct Parts {
+    /// The steps at the left.
+    pub steps: bool,
+    /// The inspector at the right.
+    pub inspector: bool,
+    /// The log below.
+    pub log: bool,
+    /// The window about the program.
+    pub about: bool,
+}
+
 /// What waits for an answer about unsaved edits.
 #[derive(Debug)]
 enum Leaving {
@@ -49,10 +55,7 @@ enum Leaving {
 impl Default for Chrome {
     fn default() -> Self {
         Self {
-            steps: true,
-            inspector: true,
-            log: false,
-            about: false,
+            shows: Parts { steps: true, inspector: true, log: false, about: false },
             palette: Palette::default(),
             help: HelpSheet::default(),
             frame_times: FrameTimes::default(),
@@ -120,7 +123,7 @@ impl Chrome {
     pub fn dialogs(&mut self, context: &Context, session: &mut Session) {
         self.help.ui(context);
         self.frame_times.ui(context);
-        Window::new("About Firstbounce").open(&mut self.about).resizable(false).show(context, |ui| {
+        Window::new("About Firstbounce").open(&mut self.shows.about).resizable(false).show(context, |ui| {
             ui.label(format!("Firstbounce {}", env!("CARGO_PKG_VERSION")));
             ui.label("Takes the light between an object's own walls out of photometric stereo.");
             ui.label("Method: Liao, Huang, Yang, CVPR 2011.");

@@ -227,7 +227,7 @@ impl Window {
 
     fn workplace(&mut self, ui: &mut Ui) {
         let Self { session, panels, canvases, chrome, .. } = self;
-        if chrome.steps {
+        if chrome.shows.steps {
             SidePanel::left("steps").default_size(340.0).size_range(220.0..=640.0).show(ui, |ui| {
                 steps::ui(ui, session);
                 ui.separator();
@@ -238,7 +238,7 @@ impl Window {
                 });
             });
         }
-        if chrome.inspector {
+        if chrome.shows.inspector {
             SidePanel::right("inspector").default_size(280.0).size_range(180.0..=640.0).show(ui, |ui| {
                 ui.label(RichText::new("Inspector").strong());
                 ui.separator();
@@ -286,7 +286,7 @@ impl App for Window {
         let by_keys = commands::pressed(&context);
         let by_menu = SidePanel::top("menu").show(ui, |ui| commands::menu_bar(ui, &self.session)).inner;
         self.chrome.notices(ui, &mut self.session);
-        strip::ui(ui, &mut self.session, &mut self.chrome.log);
+        strip::ui(ui, &mut self.session, &mut self.chrome.shows.log);
         let mut by_start = None;
         if self.session.is_open() {
             self.workplace(ui);

@@ -22,7 +22,9 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
             }
             ui.label(RichText::new(words).color(colour));
         });
-        let (StepState::Failed { line } | StepState::Incomplete { line } | StepState::Empty { line }) = state else { continue };
+        let (StepState::Failed { line } | StepState::Incomplete { line } | StepState::Empty { line }) = state else {
+            continue;
+        };
         if reported.is_empty() || !line.contains(&reported) {
             ui.indent(number, |ui| ui.label(RichText::new(sentence(&line)).color(colour)));
             reported = line;

@@ -7,7 +7,7 @@ use firstbounce_capture::set::{Circle, Sphere, SphereKind, Subject, Word};
 use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
 
 use super::balls_of;
-use crate::app::base::jobs::Task;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{Loaded, ShotName};
 use crate::app::state::session::Session;
@@ -31,7 +31,7 @@ pub enum Look {
 
 /// Circles on their way, and how clicks are taken.
 pub struct Balls {
-    finding: Option<(Subject, SphereKind, Task<CircleReport>)>,
+    finding: Keyed<(Subject, SphereKind), CircleReport>,
     /// Which ball a click in the object's scene means.
     pub in_scene: Option<SphereKind>,
     /// Whether a click on a ball's picture looks for its edge.
@@ -40,7 +40,7 @@ pub struct Balls {
 
 impl Default for Balls {
     fn default() -> Self {
-        Self { finding: None, in_scene: None, click_finds: true }
+        Self { finding: Keyed::default(), in_scene: None, click_finds: true }
     }
 }
 
@@ -156,15 +156,12 @@ impl Balls {
             return;
         };
         let name = format!("Find {}", kind.title().to_lowercase());
-        let task = session.jobs.start(name, move |_| find(&loaded, subject, look).map_err(|error| error.to_string()));
-        self.finding = Some((subject, kind, task));
+        let task = session.jobs.start(name, move |_| find(&loaded, subject, look));
+        self.finding.start((subject, kind), task);
     }
 
     pub fn take_found(&mut self, session: &mut Session) {
-        let Some((subject, kind, task)) = &self.finding else { return };
-        let (subject, kind) = (*subject, *kind);
-        let Some(outcome) = task.poll() else { return };
-        self.finding = None;
+        let Some(((subject, kind), outcome)) = self.finding.take() else { return };
         let title = kind.title();
         match outcome {
             Ok(report) => {
@@ -176,7 +173,7 @@ impl Balls {
                     circle.radius, report.sd_px
                 ));
             }
-            Err(line) => session.error(format!("{title}: {line}")),
+            Err(error) => session.error(format!("{title}: {error}")),
         }
     }
 }

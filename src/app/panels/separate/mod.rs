@@ -7,11 +7,12 @@ mod verdict;
 
 use eframe::egui::{RichText, Ui};
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::SolveOptions;
+use firstbounce_capture::pipeline::{PipelineError, SolveOptions};
 use firstbounce_core::trust::{Rig, Trust, TrustOptions, judge};
 
 use super::Panel;
 use crate::app::state::document::Document;
+use crate::app::state::results::StageError;
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 use crate::app::widgets::part::part;
@@ -25,7 +26,7 @@ pub struct Separate {
 struct Judged {
     rig: Rig,
     options: TrustOptions,
-    verdict: Result<Trust, String>,
+    verdict: Result<Trust, StageError>,
 }
 
 impl Panel for Separate {
@@ -47,7 +48,7 @@ impl Panel for Separate {
                 part(ui, "verdict", |ui| verdict::ui(ui, trust, &document.set, session));
                 part(ui, "numbers", |ui| numbers::ui(ui, trust));
             }
-            Err(line) => advice(ui, line),
+            Err(error) => advice(ui, &error.to_string()),
         }
         part(ui, "beta", |ui| albedo::ui(ui, &document, session));
         part(ui, "curve", |ui| curve::ui(ui, &document, &options, session));
@@ -59,12 +60,12 @@ impl Panel for Separate {
 
 impl Separate {
     /// The verdict on the document as it is in this frame.
-    fn verdict(&mut self, document: &Document, options: TrustOptions, session: &Session) -> Result<Trust, String> {
+    fn verdict(&mut self, document: &Document, options: TrustOptions, session: &Session) -> Result<Trust, StageError> {
         let rig = session.results.trust_rig(document)?;
         match &self.judged {
             Some(judged) if judged.rig == rig && judged.options == options => judged.verdict.clone(),
             _ => {
-                let verdict = judge(&rig, &options).map_err(|error| error.to_string());
+                let verdict = judge(&rig, &options).map_err(|error| PipelineError::from(error).into());
                 self.judged = Some(Judged { rig, options, verdict: verdict.clone() });
                 verdict
             }

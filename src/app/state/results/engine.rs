@@ -308,7 +308,7 @@ impl Results {
         }
         let stage = &self.rows[index].stage;
         if let Some(work) = stage.work(document.clone(), self) {
-            let task = jobs.start(stage.job_name(), move |job| Ok(work(job)));
+            let task = jobs.compute(stage.job_name(), work);
             self.running = Some(Running { index, keys, task, superseded: false });
         }
         Next::Rest
@@ -348,7 +348,7 @@ impl Results {
         let outcome = match outcome {
             _ if cancelled => Err(StageError::Cancelled),
             Ok(outcome) => outcome,
-            Err(line) => Err(StageError::Lost(line)),
+            Err(error) => Err(StageError::Lost(error)),
         };
         let Row { stage, slot } = &mut self.rows[index];
         let result = match outcome {

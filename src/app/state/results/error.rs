@@ -7,6 +7,7 @@ use firstbounce_capture::set::Problem;
 use thiserror::Error;
 
 use super::Step;
+use crate::app::base::jobs::JobError;
 
 /// Why a stage has no result, in one line that says what to do.
 #[derive(Clone, Debug, Error)]
@@ -42,6 +43,18 @@ pub enum StageError {
         /// The light.
         light: String,
     },
+    /// A light that is not in the set.
+    #[error("there is no light \"{light}\"")]
+    NoLight {
+        /// Its name.
+        light: String,
+    },
+    /// The photos are not there yet.
+    #[error("the photos are being read")]
+    Reading,
+    /// A pixel without photos.
+    #[error("the pixel lies outside the object's photos")]
+    Outside,
     /// A method that nothing asked for.
     #[error("tick \"Also solve by {}\" in the Shape step", .method.title())]
     NotAsked {
@@ -56,7 +69,7 @@ pub enum StageError {
     Cancelled,
     /// The job ended without a word.
     #[error("{0}")]
-    Lost(String),
+    Lost(JobError),
 }
 
 impl From<PipelineError> for StageError {

@@ -288,11 +288,11 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::Wireframe, Menu::View, "Toggle wireframe", alt(Key::W), in_3d, |t| {
         surface(t, |look| look.wireframe ^= true);
     }),
-    plain(CommandId::ToggleSteps, Menu::View, "Toggle steps", ctrl(Key::B), open, |t| t.chrome.steps ^= true),
+    plain(CommandId::ToggleSteps, Menu::View, "Toggle steps", ctrl(Key::B), open, |t| t.chrome.shows.steps ^= true),
     plain(CommandId::ToggleInspector, Menu::View, "Toggle inspector", ctrl(Key::I), open, |t| {
-        t.chrome.inspector ^= true;
+        t.chrome.shows.inspector ^= true;
     }),
-    plain(CommandId::ToggleLog, Menu::View, "Toggle log", ctrl(Key::L), always, |t| t.chrome.log ^= true),
+    plain(CommandId::ToggleLog, Menu::View, "Toggle log", ctrl(Key::L), always, |t| t.chrome.shows.log ^= true),
     plain(CommandId::ZoomIn, Menu::View, "Larger text and buttons", ctrl(Key::Plus), always, |t| scale_by(t, 1.1)),
     plain(CommandId::ZoomOut, Menu::View, "Smaller text and buttons", ctrl(Key::Minus), always, |t| {
         scale_by(t, 1.0 / 1.1)
@@ -309,7 +309,7 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::WriteFrameTimes, Menu::Help, "Write frame times to a file", None, always, |t| {
         t.chrome.frame_times.write(t.session);
     }),
-    plain(CommandId::About, Menu::Help, "About Firstbounce", None, always, |t| t.chrome.about ^= true),
+    plain(CommandId::About, Menu::Help, "About Firstbounce", None, always, |t| t.chrome.shows.about ^= true),
     // Only in a build for development: tests take the device away by it.
     #[cfg(debug_assertions)]
     plain(CommandId::LoseDevice, Menu::Help, "Lose the graphics device", None, always, |t| {

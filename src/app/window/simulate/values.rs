@@ -3,9 +3,10 @@
 use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_core::light::scene::Lens;
 use firstbounce_lab::Sensor;
-use firstbounce_lab::simulate::{BallOptions, Exposure, LampOptions, Measures, Scene, SimulateOptions};
+use firstbounce_lab::simulate::{BallOptions, Exposure, LampOptions, Measures, Scene, SimulateError, SimulateOptions};
+use thiserror::Error;
 
-use super::mesh::MeshChoice;
+use super::mesh::{MeshChoice, NoScene};
 
 /// Where a lens is put first: a few times as far as the built-in shapes are wide.
 const DEFAULT_DISTANCE_MM: f64 = 400.0;
@@ -158,6 +159,17 @@ impl Default for Values {
     }
 }
 
+/// Why the values are no options yet.
+#[derive(Debug, Error)]
+pub enum ValuesError {
+    /// There is no scene.
+    #[error(transparent)]
+    Scene(#[from] NoScene),
+    /// A value is out of its range.
+    #[error(transparent)]
+    Options(#[from] SimulateError),
+}
+
 impl Values {
     /// Gives the shape its usual measures.
     pub fn take_measures(&mut self) {
@@ -191,10 +203,13 @@ impl Values {
     /// The options that these values mean.
     ///
     /// # Errors
-    /// One line that says what to change.
-    pub fn options(&self, mesh: &MeshChoice) -> Result<SimulateOptions, String> {
+    /// What to change.
+    pub fn options(&self, mesh: &MeshChoice) -> Result<SimulateOptions, ValuesError> {
         let measures = Measures { size_mm: Some(self.size_mm), angle_deg: self.scene.angle().map(|_| self.angle_deg) };
-        let scene = self.scene.built_in(measures).map_or_else(|| mesh.scene(), Ok)?;
+        let scene = match self.scene.built_in(measures) {
+            Some(scene) => scene,
+            None => mesh.scene()?,
+        };
         let sensor = Sensor {
             full_well_electrons: self.full_well,
             read_noise_electrons: self.read_noise,
@@ -219,7 +234,7 @@ impl Values {
             albedos: self.albedos.clone(),
             ..SimulateOptions::default()
         };
-        options.check().map_err(|error| error.to_string())?;
+        options.check()?;
         Ok(options)
     }
 }
@@ -239,7 +254,7 @@ mod tests {
     #[test]
     fn a_mesh_that_was_not_chosen_is_asked_for() {
         let values = Values { scene: SceneKind::Mesh, ..Values::default() };
-        let line = values.options(&MeshChoice::default()).unwrap_err();
+        let line = values.options(&MeshChoice::default()).unwrap_err().to_string();
         assert!(line.contains("choose a mesh file"), "{line}");
     }
 }
