@@ -3,6 +3,7 @@
 pub mod atomic;
 #[doc = include_str!("FORMAT.md")]
 pub mod format {}
+pub mod export;
 pub mod image_file;
 pub mod light_file;
 pub mod mesh_file;

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
+use firstbounce_capture::export::OutputOptions;
+use firstbounce_capture::pipeline::SolveOptions;
 
 use super::solve::{OUTPUT_FOLDER, solve_into, summary};
 use super::{PrintArgs, print, print_json, print_warnings, window};
@@ -26,7 +27,7 @@ pub struct DemoArgs {
 pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let folder = args.out.clone().unwrap_or_else(|| Path::new(OUTPUT_FOLDER).join("demo"));
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
-    let report = solve_into(&set, &folder, &SolveOptions::default(), &OutputOptions::default())?;
+    let report = solve_into(&set, &folder, &SolveOptions::of(&set.shape), &OutputOptions::default())?;
     print_warnings(&report.warnings);
     if args.print.json {
         return print_json(&report);

@@ -118,7 +118,7 @@ fn a_file_that_is_gone_is_one_red_cell_that_says_why() {
 fn a_light_takes_its_new_name_when_it_is_typed_to_its_end_and_never_that_of_another() {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.session().edit("Leave out a light", |document| document.settings.shape.left_out = vec!["left".into()]);
+    hands.session().edit("Leave out a light", |document| document.set.shape.leave_out = vec!["left".into()]);
     hands.harness.get_by_label("Names, lights and colours").click_accesskit();
     hands.steps();
     let lights = |hands: &mut Hands| {
@@ -133,6 +133,6 @@ fn a_light_takes_its_new_name_when_it_is_typed_to_its_end_and_never_that_of_anot
     hands.press(Modifiers::NONE, Key::Enter);
     assert_eq!(lights(&mut hands), ["topmost", "top", "right"]);
     let document = hands.session().document();
-    assert_eq!(document.settings.shape.left_out, ["topmost"]);
+    assert_eq!(document.set.shape.leave_out, ["topmost"]);
     assert!(document.set.check().is_empty());
 }

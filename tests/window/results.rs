@@ -78,3 +78,18 @@ fn a_set_with_errors_opens_and_tells_each_where_it_is() {
     let document = session.document();
     assert!(matches!(session.results.state(Step::Separate, &document), StageState::Blocked { .. }));
 }
+
+#[test]
+fn renaming_a_light_decodes_no_photo_again() {
+    let mut hands = Hands::with_demo();
+    hands.rest();
+    let decoded = hands.session().results.decoded_files();
+    let files = hands.session().document().set.distinct_files().len();
+    assert_eq!(decoded, files);
+    let name = hands.session().document().set.lights[0].name.clone();
+    hands.session().edit("Rename light", |document| document.set.rename_light(0, "renamed"));
+    hands.rest();
+    let loaded = hands.session().results.loaded().unwrap();
+    assert!(loaded.shots.iter().all(|shot| shot.name.light.as_ref() != Some(&name)));
+    assert_eq!(hands.session().results.decoded_files(), files);
+}

@@ -144,7 +144,7 @@ fn a_folder_of_names_that_tell_nothing_is_dropped_assigned_by_hand_and_solved() 
     hands.rest();
 
     hands.open_step("4  Shape");
-    assert!(hands.sees("The normals turned by"));
+    assert!(hands.sees("Mean change of the normals"));
     hands.press(Modifiers::COMMAND, Key::S);
     let saved = firstbounce_capture::CaptureSet::open(&shoot).unwrap();
     assert!(saved.check().is_empty());

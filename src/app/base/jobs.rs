@@ -25,7 +25,7 @@ pub struct Job {
 }
 
 impl Job {
-    /// What the person sees.
+    /// What the user sees.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -40,7 +40,7 @@ impl Job {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Whether somebody asked it to stop.
+    /// Whether it was asked to stop.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
@@ -81,7 +81,7 @@ impl<T> Task<T> {
         &self.job
     }
 
-    /// What came out, once; `None` while the work goes on. An error is one line for a person.
+    /// What came out, once; `None` while the work goes on. An error is one line for the user.
     pub fn poll(&self) -> Option<Result<T, String>> {
         match self.outcome.try_recv() {
             Ok(outcome) => Some(outcome),
@@ -97,16 +97,16 @@ pub fn drop_aside<T: Send + 'static>(large: T) {
     let _ = std::thread::Builder::new().name("drop".into()).spawn(move || drop(large));
 }
 
-/// Lets the threads that compute stand back behind the one that draws, on systems that tell threads apart. Once, before
+/// Lowers the priority of the threads that compute below that of the one that draws, on systems that rank threads. Once, before
 /// anything is computed; work that has begun keeps its threads as they are.
-pub fn let_workers_stand_back() {
-    let pool = rayon::ThreadPoolBuilder::new().start_handler(|_| stand_back());
+pub fn lower_priority_of_workers() {
+    let pool = rayon::ThreadPoolBuilder::new().start_handler(|_| lower_priority());
     // A pool that is there already only computes more eagerly.
     let _ = pool.build_global();
 }
 
 /// Where it is refused the thread goes on as it was.
-fn stand_back() {
+fn lower_priority() {
     #[cfg(target_os = "linux")]
     let _ = rustix::process::setpriority_process(None, NICENESS);
 }
@@ -140,13 +140,13 @@ impl Jobs {
         let (sender, outcome) = mpsc::channel();
         let at_work = job.clone();
         std::thread::spawn(move || {
-            stand_back();
+            lower_priority();
             // Dropped last, also when the work panics: whoever wakes finds the outcome there and the job gone.
             let _wake = WakeOnDrop(at_work.wake.clone());
             let (sender, at_work) = (sender, at_work);
             let result = work(&at_work);
             drop(at_work);
-            // Nobody may be waiting any more.
+            // The receiver may be gone.
             let _ = sender.send(result);
         });
         Task { job, outcome }

@@ -1,5 +1,6 @@
-//! What every floor stands on: work off the UI thread, the system's file dialogs, counting.
+//! The base of every floor: work off the UI thread, the system's file dialogs, counting.
 
 pub mod bars;
 pub mod dialogs;
 pub mod jobs;
+pub mod keyed;

@@ -1,6 +1,6 @@
 //! The five steps of the work, each with a panel of its own, and the state of each.
 
-use super::results::{NO_PHOTOS, StageState, Step};
+use super::results::{StageError, StageState, Step};
 use super::session::Session;
 
 /// The five steps.
@@ -44,7 +44,7 @@ impl PanelName {
         }
     }
 
-    /// How the step stands.
+    /// The state of the step.
     pub fn state(self, session: &Session) -> StageState {
         let state = session.results.state(self.stage(), &session.document());
         match (self, &state) {
@@ -57,12 +57,12 @@ impl PanelName {
 /// Photos are read one by one: that some are there does not mean that all are.
 fn captures_state(session: &Session) -> StageState {
     if session.document().set.shots.is_empty() {
-        return StageState::Blocked { line: NO_PHOTOS.into() };
+        return StageState::Blocked { line: StageError::NoPhotos.to_string() };
     }
     let loaded = session.results.loaded();
     let mut bad = loaded.iter().flat_map(|loaded| &loaded.shots).filter_map(|shot| shot.photo.as_ref().err());
     match (bad.next(), bad.count()) {
-        (Some(line), 0) => StageState::Failed { line: line.clone() },
+        (Some(line), 0) => StageState::Failed { line: line.to_string() },
         (Some(line), more) => StageState::Failed { line: format!("{line} (and {more} more)") },
         (None, _) => session
             .problems()

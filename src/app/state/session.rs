@@ -122,22 +122,22 @@ impl Session {
         self.editor.problems().iter().filter(move |problem| problem.location == location)
     }
 
-    /// The system's file dialogs; they wait for a person, so ask in a job, or use a `PathField`.
+    /// The system's file dialogs; they wait for the user: ask in a job, or use a `PathField`.
     pub fn dialogs(&self) -> Arc<dyn Dialogs> {
         self.system.dialogs.clone()
     }
 
-    /// Tells that something was done, and shows it for a while.
+    /// Reports that something was done, and shows it for a while.
     pub fn done(&mut self, text: impl Into<String>) {
         self.log.toast(Level::Done, text);
     }
 
-    /// Tells what to know before trusting a number.
+    /// Reports what to know before trusting a number.
     pub fn warn(&mut self, text: impl Into<String>) {
         self.log.toast(Level::Warning, text);
     }
 
-    /// Tells that something was not done, and what to do.
+    /// Reports that something was not done, and what to do.
     pub fn error(&mut self, text: impl Into<String>) {
         self.log.toast(Level::Error, text);
     }
@@ -186,7 +186,7 @@ impl Session {
             .and_then(Views::from_json)
             .unwrap_or_else(|| Views::showing(first_view(&document)));
         self.panel = PanelName::Captures;
-        // A set that has just begun lacks everything, which nobody needs to be told.
+        // A set that has just begun lacks everything, which is no news.
         let problems = if self.editor.path().is_file() { self.editor.problems().len() } else { 0 };
         let title = document.set.title();
         match problems {
@@ -222,7 +222,7 @@ impl Session {
         }
     }
 
-    /// Writes the preferences; a system that keeps none is told once in the log.
+    /// Writes the preferences; a system that keeps none is reported once in the log.
     pub fn remember(&mut self) {
         if let Err(error) = self.preferences.write(&self.system.folders.preferences) {
             self.log.add(Level::Warning, format!("preferences are not kept: {error:#}"));
@@ -274,9 +274,12 @@ impl Session {
 
     /// Makes ready what 3D views show. Once a frame for as long as one is on the screen.
     pub fn update_surfaces(&mut self) {
-        let by_nayar = self.results.by_nayar().filter(|_| self.document().settings.nayar.compute);
-        let reference = self.reference.mesh();
-        self.surfaces.update(self.results.meshes(), by_nayar, reference, &mut self.jobs);
+        let (document, results, reference) = (self.document(), &self.results, &self.reference);
+        let mesh = |name: LayerName| match name {
+            LayerName::Surface(name) => results.mesh(name, &document.settings),
+            LayerName::Reference => reference.mesh(),
+        };
+        self.surfaces.update(mesh, &mut self.jobs);
     }
 
     /// Once a frame: takes finished work, starts what is stale, notices what happened on the disk.

@@ -7,7 +7,7 @@ use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
-use crate::app::state::results::{MarksName, PlaneName, Results, ShotName, StageState, Step, Stored, When};
+use crate::app::state::results::{MarksName, PlaneName, Results, ShotName, StageState, Step, Stored, SurfaceName};
 use crate::gpu::{ColourMap, Display, Layer, Source, Tint};
 
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
@@ -27,7 +27,7 @@ pub struct Picture {
 
 /// The picture, or one line that says why there is none yet.
 pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, String> {
-    if shown.is_by_nayar() && !document.settings.nayar.compute {
+    if shown.by_method().is_some_and(|method| !document.settings.is_compared(method)) {
         return Err(not_yet(shown, document, results));
     }
     let pictures = results.pictures();
@@ -81,8 +81,8 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
                 quantity: LIGHT,
             })
         }
-        Shown::NayarDirect { light } => {
-            let plane = stored(PlaneName::NayarDirect(light.clone()))?;
+        Shown::DirectBy { method, light } => {
+            let plane = stored(PlaneName::DirectBy(*method, light.clone()))?;
             let range = pictures.plane(&PlaneName::Direct(light.clone())).map_or(plane.range, |stored| stored.range);
             Ok(Picture { source: masked(Source::plane(plane.plane.clone())), display: grey(range), quantity: LIGHT })
         }
@@ -144,7 +144,7 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::Residual { light } => stored(PlaneName::Residual(light.clone())),
         Shown::Noise { light } => stored(PlaneName::Noise(light.clone())),
         Shown::Direct { light } => stored(PlaneName::Direct(light.clone())),
-        Shown::NayarDirect { light } => stored(PlaneName::NayarDirect(light.clone())),
+        Shown::DirectBy { method, light } => stored(PlaneName::DirectBy(*method, light.clone())),
         Shown::Albedo(when) => stored(PlaneName::Albedo(*when)),
         Shown::NormalNoise(when) => stored(PlaneName::NormalNoise(*when)),
         Shown::Depth(when) => stored(PlaneName::Depth(*when)),
@@ -181,7 +181,7 @@ pub fn unit_of(shown: &Shown, document: &Document) -> &'static str {
 pub fn sides(a: &Shown, b: &Shown, document: &Document, results: &Results) -> Result<[Layer; 2], String> {
     if are_normals(a, b) {
         let turned = results.pictures().plane(&PlaneName::Turned);
-        let missing = || not_yet(&Shown::Normals(When::After), document, results);
+        let missing = || not_yet(&Shown::Normals(SurfaceName::AFTER), document, results);
         let turned = Layer::from(turned.ok_or_else(missing)?.plane.clone());
         return Ok([turned.clone(), turned.amplified(0.0)]);
     }
@@ -194,7 +194,7 @@ fn are_normals(a: &Shown, b: &Shown) -> bool {
         (Shown::Normals(a), Shown::Normals(b)) => (*a, *b),
         _ => return false,
     };
-    matches!(whens, (When::After, When::Before) | (When::Before, When::After))
+    matches!(whens, (SurfaceName::AFTER, SurfaceName::Before) | (SurfaceName::Before, SurfaceName::AFTER))
 }
 
 /// Bounce k of a light as weights on its photos.
@@ -275,13 +275,15 @@ fn has_scale(set: &CaptureSet) -> bool {
 
 /// The stage that a picture comes from. Bounces are computed of the photos while they are drawn.
 fn step_of(shown: &Shown) -> Step {
+    if let Some(method) = shown.by_method() {
+        return Step::ByMethod(method);
+    }
     match shown {
-        _ if shown.is_by_nayar() => Step::Nayar,
         Shown::Photo(_) | Shown::Bounce { .. } | Shown::Sum { .. } | Shown::FigureOne { .. } => Step::Load,
         Shown::Difference(a, b) => step_of(a).max(step_of(b)),
         Shown::Residual { .. } | Shown::Noise { .. } | Shown::Marks { .. } => Step::Separate,
         Shown::Direct { .. }
-        | Shown::NayarDirect { .. }
+        | Shown::DirectBy { .. }
         | Shown::Normals(_)
         | Shown::Albedo(_)
         | Shown::NormalNoise(_)
@@ -322,7 +324,7 @@ fn no_photo(name: &ShotName, document: &Document, results: &Results) -> String {
         return "this shot is not in the set: choose another picture, or add its file in Captures".into();
     }
     match results.loaded().as_ref().and_then(|loaded| loaded.shot(name)).map(|shot| &shot.photo) {
-        Some(Err(line)) => line.clone(),
+        Some(Err(error)) => error.to_string(),
         _ => "the photo is being read".into(),
     }
 }

@@ -1,4 +1,4 @@
-//! The numbers of a difference: computed off the UI thread, for the pictures as they are now.
+//! The numbers of a difference: computed off the UI thread, for the pictures of this frame.
 
 use std::collections::HashMap;
 

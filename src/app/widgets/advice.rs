@@ -18,7 +18,7 @@ pub fn advice_in_the_middle(ui: &mut Ui, text: &str) {
     });
 }
 
-/// A line that may stand behind another, on its own: "beta is not known" becomes "Beta is not known". What begins with a
+/// A line that may follow another, as a sentence of its own: "beta is not known" becomes "Beta is not known". What begins with a
 /// name of the set's ("left/green: ...") stays as it is.
 pub fn sentence(line: &str) -> String {
     let word = line.split(' ').next().unwrap_or_default();

@@ -18,7 +18,7 @@ pub struct Chrome {
     pub inspector: bool,
     /// Whether the log is shown.
     pub log: bool,
-    /// Whether the window tells about itself.
+    /// Whether the About window is open.
     pub about: bool,
     /// Commands by their letters.
     pub palette: Palette,
@@ -90,7 +90,7 @@ impl Chrome {
         self.save_as = Some(PathField::holding(session.document().set.folder.display().to_string()));
     }
 
-    /// Keeps the window open while something is unsaved and nobody has said what to do with it.
+    /// Keeps the window open while something is unsaved, until the user decides what to do with it.
     pub fn guard_close(&mut self, context: &Context, session: &mut Session) {
         if context.input(|input| input.viewport().close_requested()) && !self.may_close && session.editor.is_dirty() {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
@@ -171,10 +171,10 @@ impl Chrome {
                     session.save();
                     answer = Some(!session.editor.is_dirty());
                 }
-                if ui.button("Do not save").clicked() {
+                if ui.button("Discard changes").clicked() {
                     answer = Some(true);
                 }
-                if ui.button("Stay").clicked() {
+                if ui.button("Cancel").clicked() {
                     answer = Some(false);
                 }
             });

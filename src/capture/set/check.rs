@@ -1,8 +1,10 @@
 //! Checks of each part of a set by itself, for a file and for a set that the user edits in memory.
 
+use firstbounce_core::denoise::MAX_RADIUS_PX;
+
 use super::model::*;
 use super::problem::{Location, Problem};
-use super::rule::{Rule, VECTOR, is_vector, unusable_name};
+use super::rule::{MAX_ROUNDS, ROUNDS, Rule, VECTOR, WINDOW, is_vector, unusable_name};
 use super::word::Word;
 
 impl CaptureSet {
@@ -61,6 +63,7 @@ impl CaptureSet {
         if self.separation.bounces == Some(0) {
             found.add(Location::Separation, "bounces", "expected a whole number from 1, found 0");
         }
+        found.shape(&self.shape);
         found.truth(&self.truth);
         found.0
     }
@@ -213,6 +216,18 @@ impl Found {
         }
         self.maybe_number(at, "grey_albedo", Rule::Albedo, calibration.grey_albedo);
         self.maybe_number(at, "white_light", Rule::Positive, calibration.white_light);
+    }
+
+    fn shape(&mut self, shape: &ShapeSettings) {
+        let at = Location::Shape;
+        self.number(at, "shadow_share", Rule::Share, shape.shadow_share);
+        self.number(at, "misfit_share", Rule::Share, shape.misfit_share);
+        if !(1..=MAX_ROUNDS).contains(&shape.rounds) {
+            self.add(at, "rounds", format!("expected {ROUNDS}, found {}", shape.rounds));
+        }
+        if shape.indirect_window_px > MAX_RADIUS_PX {
+            self.add(at, "indirect_window_px", format!("expected {WINDOW}, found {}", shape.indirect_window_px));
+        }
     }
 
     fn truth(&mut self, truth: &Truth) {

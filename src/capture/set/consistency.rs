@@ -30,6 +30,7 @@ impl CaptureSet {
         self.check_spheres(&mut problems);
         self.check_calibration(&mut problems);
         self.check_bounces(&mut problems);
+        self.check_left_out(&mut problems);
         if self.lights.len() > 1 && !self.truth.bounce.contains("{light}") {
             let message = format!("expected a file path with {{light}} for the light, found {:?}", self.truth.bounce);
             problems.push(Problem::of_key(Location::Truth, "bounce", message));
@@ -166,6 +167,15 @@ impl CaptureSet {
             Problem::of_key(Location::Calibration, "beta", message)
         };
         self.colours_alike(beta).into_iter().map(problem).collect()
+    }
+
+    /// Lights that surfaces are recovered without.
+    fn check_left_out(&self, problems: &mut Vec<Problem>) {
+        let lights: Vec<&str> = self.lights.iter().map(|light| light.name.as_str()).collect();
+        for name in &self.shape.leave_out {
+            let unknown = unknown_name(Location::Shape, "light", Some(name), &lights);
+            problems.extend(unknown.map(|problem| Problem { key: Some("leave_out".into()), ..problem }));
+        }
     }
 
     fn check_bounces(&self, problems: &mut Vec<Problem>) {

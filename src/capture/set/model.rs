@@ -2,7 +2,11 @@
 
 use std::path::PathBuf;
 
+use firstbounce_core::denoise::DenoiseOptions;
+use firstbounce_core::stereo::normals::NormalsOptions;
+use firstbounce_core::stereo::shape::ShapeOptions;
 use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
 
 pub use super::subject::{Naming, SphereKind, Subject};
 pub use crate::image_file::{Channel, Encoding};
@@ -32,6 +36,8 @@ pub struct CaptureSet {
     pub calibration: Calibration,
     /// How to separate the bounces.
     pub separation: Separation,
+    /// How surfaces are recovered.
+    pub shape: ShapeSettings,
     /// Where the truth lies, for evaluation.
     pub truth: Truth,
 }
@@ -175,6 +181,39 @@ pub struct Calibration {
 pub struct Separation {
     /// The order m; `None` leaves the choice to [`CaptureSet::bounces`].
     pub bounces: Option<usize>,
+}
+
+/// How surfaces are recovered. Absent keys have the defaults of the program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ShapeSettings {
+    /// Names of lights that photometric stereo does without.
+    #[serde(alias = "left_out")]
+    pub leave_out: Vec<String>,
+    /// A light is in shadow below this share of the brightest light's, 0 to 1.
+    #[serde(alias = "shadow_fraction")]
+    pub shadow_share: f64,
+    /// With five or more lights, one that misses the fit by more than this share is left out, 0 to 1.
+    #[serde(alias = "outlier_fraction")]
+    pub misfit_share: f64,
+    /// How many near-light iterations there are: the depth found so far says how near each lamp is.
+    pub rounds: usize,
+    /// Half width of the window in which the noise of indirect light is averaged, in pixels; 0 for none.
+    #[serde(alias = "indirect_radius_px")]
+    pub indirect_window_px: usize,
+}
+
+impl Default for ShapeSettings {
+    fn default() -> Self {
+        let NormalsOptions { shadow_fraction, outlier_fraction } = NormalsOptions::default();
+        Self {
+            leave_out: Vec::new(),
+            shadow_share: shadow_fraction,
+            misfit_share: outlier_fraction,
+            rounds: ShapeOptions::default().rounds,
+            indirect_window_px: DenoiseOptions::default().radius_px,
+        }
+    }
 }
 
 /// Where the truth lies, for evaluation; as written in the file.

@@ -24,6 +24,8 @@ pub enum Location {
     Calibration,
     /// `[separation]`
     Separation,
+    /// `[shape]`
+    Shape,
     /// `[truth]`
     Truth,
 }
@@ -39,6 +41,7 @@ impl Location {
             Self::Sphere(_) => "[[sphere]]",
             Self::Calibration => "[calibration]",
             Self::Separation => "[separation]",
+            Self::Shape => "[shape]",
             Self::Truth => "[truth]",
         }
     }
@@ -46,7 +49,7 @@ impl Location {
     fn index(self) -> Option<usize> {
         match self {
             Self::Colour(index) | Self::Light(index) | Self::Shot(index) | Self::Sphere(index) => Some(index),
-            Self::Set | Self::Camera | Self::Calibration | Self::Separation | Self::Truth => None,
+            Self::Set | Self::Camera | Self::Calibration | Self::Separation | Self::Shape | Self::Truth => None,
         }
     }
 }

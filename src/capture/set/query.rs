@@ -50,6 +50,31 @@ impl CaptureSet {
         subjects
     }
 
+    /// The set without some lights, by their names.
+    pub fn without_lights(&self, lights: &[String]) -> Self {
+        let stays = |light: &String| !lights.contains(light);
+        let mut set = self.clone();
+        set.lights.retain(|light| stays(&light.name));
+        set.shots.retain(|shot| shot.light.as_ref().is_none_or(stays));
+        set.calibration.alpha.retain(|light, _| stays(light));
+        set.calibration.direction.retain(|light, _| stays(light));
+        set.calibration.intensity.retain(|light, _| stays(light));
+        set.shape.leave_out.retain(stays);
+        set
+    }
+
+    /// The set with its reference colour alone.
+    pub fn in_one_colour(&self) -> Self {
+        let reference = self.colours.first().map(|colour| colour.name.clone());
+        let mut set = self.clone();
+        set.colours.truncate(1);
+        set.shots.retain(|shot| shot.colour.is_none() || shot.colour == reference);
+        set.calibration.beta = None;
+        set.calibration.alpha.clear();
+        set.separation = Separation::default();
+        set
+    }
+
     /// The shot of `subject` under this light in this colour.
     pub fn shot(&self, subject: Subject, light: Option<&str>, colour: Option<&str>) -> Option<&Shot> {
         self.shots_of(subject).find(|shot| shot.light.as_deref() == light && shot.colour.as_deref() == colour)
@@ -151,6 +176,7 @@ impl CaptureSet {
         rename_key(&mut self.calibration.alpha, &old, name);
         rename_key(&mut self.calibration.direction, &old, name);
         rename_key(&mut self.calibration.intensity, &old, name);
+        self.shape.leave_out.iter_mut().filter(|light| **light == old).for_each(|light| *light = name.to_owned());
     }
 
     /// Gives a colour another name wherever the set uses it.

@@ -7,6 +7,7 @@ pub(super) enum Rule {
     Positive,
     NotNegative,
     Albedo,
+    Share,
 }
 
 impl Rule {
@@ -17,6 +18,7 @@ impl Rule {
                 Self::Positive => number > 0.0,
                 Self::NotNegative => number >= 0.0,
                 Self::Albedo => number > 0.0 && number <= 1.0,
+                Self::Share => (0.0..1.0).contains(&number),
             }
     }
 
@@ -26,9 +28,17 @@ impl Rule {
             Self::Positive => "a positive number",
             Self::NotNegative => "a number that is not negative",
             Self::Albedo => "an albedo above 0 and at most 1",
+            Self::Share => "a share from 0 and below 1",
         }
     }
 }
+
+/// The most near-light iterations that a file may ask for.
+pub(super) const MAX_ROUNDS: usize = 100;
+/// What their number must be.
+pub(super) const ROUNDS: &str = "a whole number from 1 to 100";
+/// What the half width of a window must be.
+pub(super) const WINDOW: &str = "a whole number of pixels from 0 to 64";
 
 /// What a direction or a position must be.
 pub(super) const VECTOR: &str = "three numbers [x, y, z], not all zero";

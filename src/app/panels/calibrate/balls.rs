@@ -1,4 +1,4 @@
-//! The balls' circles: found by their edges, placed by a person, typed.
+//! The balls' circles: found by their edges, placed by the user, typed.
 
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ impl Balls {
             advice(
                 ui,
                 "No ball is in this set: add photos of a grey ball, a ball of the object's paint and a mirror ball in \
-                 Captures, or type the values below. If the balls stand in the object's photos, choose which one below \
+                 Captures, or type the values below. If the balls are in the object's photos, choose which one below \
                  and click it there.",
             );
         }
@@ -198,7 +198,7 @@ fn find(loaded: &Arc<Loaded>, subject: Subject, look: Look) -> Result<CircleRepo
     }
 }
 
-/// Puts a ball's circle where a person wants it.
+/// Puts a ball's circle where the user wants it.
 pub fn move_ball(session: &mut Session, subject: Subject, kind: SphereKind, circle: Circle) {
     let name = format!("Place {}", kind.title().to_lowercase());
     session.edit(&name, |document| document.set.put_sphere(Sphere { subject, kind, circle }));

@@ -95,7 +95,7 @@ impl Calibrate {
             return kept.values.clone();
         }
         let base = measured.as_ref().or(calibration.as_ref());
-        let mut values = base.map(|base| base.calibrated.clone()).unwrap_or_default();
+        let mut values = base.map(|base| Calibrated::clone(&base.calibrated)).unwrap_or_default();
         // Strengths are measured with the directions in force, typed ones too.
         let strengths = calibration.iter().flat_map(|calibration| &calibration.calibrated.intensity);
         for (value, in_force) in values.intensity.iter_mut().zip(strengths) {

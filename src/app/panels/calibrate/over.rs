@@ -44,7 +44,7 @@ fn kinds_in_scene(session: &Session) -> Vec<SphereKind> {
     session.document().set.spheres_in(Subject::Object).map(|sphere| sphere.kind).collect()
 }
 
-/// Draws a circle and moves it as a person wants; whether a handle has the pointer.
+/// Draws a circle and moves it as the user wants; whether a handle has the pointer.
 fn edit_circle(
     panel: &mut Calibrate,
     ui: &mut Ui,

@@ -10,7 +10,7 @@ use crate::app::widgets::number_field::fixed;
 use crate::app::widgets::part::part;
 use crate::app::widgets::theme;
 
-/// What a person did to a value.
+/// A change of a value by the user.
 enum Change<T> {
     Typed(T),
     BackToMeasured,
@@ -221,7 +221,7 @@ fn field(ui: &mut Ui, number: &mut f64, least: f64, name: &str) -> bool {
 
 fn colour(ui: &Ui, level: Level) -> Color32 {
     match level {
-        Level::Fine => theme::good(ui.visuals()),
+        Level::Fine => theme::fine(ui.visuals()),
         Level::TakeCare => ui.visuals().warn_fg_color,
         Level::DoNotTrust => ui.visuals().error_fg_color,
     }

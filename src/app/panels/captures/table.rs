@@ -116,7 +116,8 @@ impl Table {
             return;
         };
         let loaded = session.results.loaded();
-        let failed = loaded.as_ref().and_then(|loaded| loaded.shot(name)?.photo.as_ref().err()).cloned();
+        let failed =
+            loaded.as_ref().and_then(|loaded| loaded.shot(name)?.photo.as_ref().err()).map(ToString::to_string);
         let seen = self.seen.as_ref().and_then(|seen| seen.cells.iter().find(|(known, ..)| known == name));
         let texture = seen.and_then(|(_, _, texture)| texture.as_ref());
         let wrong: Vec<&String> = cell.problems.iter().chain(&failed).collect();
@@ -148,7 +149,7 @@ impl Table {
         }
     }
 
-    /// Looks at the photos anew where they or the balls' circles have changed, on a worker.
+    /// Looks at the photos again where they or the balls' circles have changed, on a worker.
     fn look(&mut self, ui: &Ui, session: &mut Session) {
         if let Some((key, task)) = self.looking.take() {
             match task.poll() {

@@ -13,7 +13,7 @@ use crate::app::widgets::advice::advice;
 
 const HEIGHT: f32 = 170.0;
 const SAMPLES: usize = 60;
-/// Fill of each bounce, to be told apart in dark and light and without colour vision.
+/// Fill of each bounce, to be distinguished in dark and light and without colour vision.
 const BOUNCES: [Color32; 4] = [
     Color32::from_rgb(86, 180, 233),
     Color32::from_rgb(230, 159, 0),
@@ -44,14 +44,15 @@ fn of_pixel(
     session: &Session,
 ) -> Result<PixelPolynomial, String> {
     let loaded = session.results.loaded().ok_or("The photos are being read.")?;
-    let object = loaded.object.as_ref().map_err(Clone::clone)?;
+    let object = loaded.object.as_ref().map_err(ToString::to_string)?;
     let rig = session.results.rig(document);
     let system = rig.system(light)?;
     let index = rig.lights.iter().position(|name| name == light).ok_or("There is no such light.")?;
     let photos = object.photos.get(index).ok_or("This light is being read.")?;
     let inside = photos.iter().all(|photo| x < photo.linear.width() && y < photo.linear.height());
     let (Some(alpha), Some(beta), true) = (&rig.alpha[index], &rig.beta, inside) else {
-        return Err(rig.missing().unwrap_or_else(|| "The pixel lies outside the object's photos.".into()));
+        let outside = || "The pixel lies outside the object's photos.".into();
+        return Err(rig.missing().map_or_else(outside, |missing| missing.to_string()));
     };
     if photos.len() != system.operator.ncols() {
         return Err("The photos are being read.".into());
@@ -106,7 +107,7 @@ fn table(ui: &mut Ui, pixel: &PixelPolynomial, document: &Document) {
         }
         if pixel.measured.len() > pixel.bounces.len() {
             for (colour, left) in document.set.colours.iter().zip(pixel.residuals()) {
-                ui.label(format!("Left over, {}", colour.name));
+                ui.label(format!("Residual, {}", colour.name));
                 ui.monospace(number(left));
                 ui.end_row();
             }

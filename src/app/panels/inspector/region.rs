@@ -64,7 +64,7 @@ impl RegionSection {
         ui.label(RichText::new(picture.quantity).weak());
         // While a value is dragged the numbers may lag, but never are those of another picture.
         let Some(measured) = self.measured.as_ref().filter(|measured| measured.shown == *shown) else {
-            ui.label(RichText::new("Being measured.").weak());
+            ui.label(RichText::new("Measuring.").weak());
             return;
         };
         table(ui, measured);
@@ -78,7 +78,7 @@ impl RegionSection {
         histogram::ui(ui, &measured.histograms, measured.source.channels(), self.log_counts);
     }
 
-    /// Whether the numbers stay as they are: those of a large picture are not measured in every frame of a drag, which would
+    /// Whether the numbers stay: those of a large picture are not measured in every frame of a drag, which would
     /// take the cores from the drag.
     fn has_rested(&mut self, ui: &Ui, source: &Source) -> bool {
         let (width, height) = source.size();
@@ -98,7 +98,7 @@ impl RegionSection {
         false
     }
 
-    /// Takes what is ready, and starts anew when it is not that of this frame.
+    /// Takes what is ready, and starts again when it is not that of this frame.
     fn measure(&mut self, ui: &Ui, shown: &Shown, source: &Source, region: Option<&Region>, session: &mut Session) {
         if let Some(result) = self.task.as_ref().and_then(Task::poll) {
             self.task = None;
@@ -136,9 +136,9 @@ fn table(ui: &mut Ui, measured: &Measured) {
         ("Mean", |found| number(found.mean)),
         ("Standard deviation", |found| number(found.sd)),
         ("Smallest", |found| number(found.min)),
-        ("5 % are below", |found| number(found.percentile_5)),
+        ("5th percentile", |found| number(found.percentile_5)),
         ("Median", |found| number(found.median)),
-        ("95 % are below", |found| number(found.percentile_95)),
+        ("95th percentile", |found| number(found.percentile_95)),
         ("Largest", |found| number(found.max)),
         ("Pixels", |found| found.pixels.to_string()),
     ];

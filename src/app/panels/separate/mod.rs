@@ -7,6 +7,7 @@ mod verdict;
 
 use eframe::egui::{RichText, Ui};
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::pipeline::SolveOptions;
 use firstbounce_core::trust::{Rig, Trust, TrustOptions, judge};
 
 use super::Panel;
@@ -37,7 +38,7 @@ impl Panel for Separate {
         order(ui, &document, session);
         let options = TrustOptions {
             bounces: document.set.bounces(),
-            denoise: document.settings.shape.options().denoise,
+            denoise: SolveOptions::of(&document.set.shape).denoise,
             ..TrustOptions::default()
         };
         let trust = self.verdict(&document, options, session);
@@ -74,7 +75,7 @@ impl Separate {
 /// m as a choice of 1 to n.
 fn order(ui: &mut Ui, document: &Document, session: &mut Session) {
     let (colours, chosen) = (document.set.colours.len(), document.set.bounces());
-    ui.label(RichText::new("Order m: bounces to tell apart").strong());
+    ui.label(RichText::new("Order m: bounces to separate").strong());
     ui.horizontal_wrapped(|ui| {
         for m in 1..=colours.max(chosen) {
             let choice = ui.radio(m == chosen, format!("m = {m}"));
@@ -84,7 +85,7 @@ fn order(ui: &mut Ui, document: &Document, session: &mut Session) {
         }
     });
     if document.set.separation.bounces.is_none() {
-        ui.label(RichText::new("The set leaves m to the program.").weak());
+        ui.label(RichText::new("The set does not give m: the program chooses.").weak());
     }
 }
 
@@ -94,8 +95,8 @@ fn choose_order(session: &mut Session, m: usize) {
 
 fn order_words(m: usize) -> &'static str {
     match m {
-        1 => "All light counts as direct: nothing is taken out",
-        2 => "Direct light, and light that bounced twice: a good model of many scenes, and the quietest",
+        1 => "All light counts as direct: nothing is removed",
+        2 => "Direct light, and light that bounced twice: a good model of many scenes, with the least noise",
         _ => "Follows deep cavities better, and costs more noise",
     }
 }

@@ -1,4 +1,4 @@
-//! What the verdict stands on, as numbers with units.
+//! The evidence of the verdict, as numbers with units.
 
 use eframe::egui::{CollapsingHeader, Grid, RichText, Ui};
 use firstbounce_capture::CaptureSet;
@@ -20,12 +20,11 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
             let name = format!("Gain of bounce {}", k + 1);
             row(ui, &name, &number(gain), "Noise of this bounce for unit noise on every photo");
         }
-        let (noise, quiet) = (worst(&|light| light.noise_percent), worst(&|light| light.denoised_noise_percent));
+        let (noise, denoised) = (worst(&|light| light.noise_percent), worst(&|light| light.denoised_noise_percent));
         let words = |value| percent(value).map_or(NEGATIVE.into(), |percent| format!("{percent} of it"));
         row(ui, "Noise of bounce 1", &words(noise), "Of a pixel of mean light, as bounce 1 is saved");
-        let averaged =
-            "The same once the noise of indirect light is averaged over a few pixels: normals are made of this";
-        row(ui, "Noise once averaged", &words(quiet), averaged);
+        let averaged = "The same after denoising the indirect light: the normals are computed from this";
+        row(ui, "Noise after denoising", &words(denoised), averaged);
         let calibration = worst(&|light| light.calibration_percent);
         row(
             ui,
@@ -36,7 +35,8 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
         row(ui, "Tail", &tail(trust), "Light of more than m bounces, by the mean light of the colours");
         match &trust.normal {
             Some(normal) => {
-                let words = format!("{} ({} not averaged)", angle(normal.denoised_noise_deg), angle(normal.noise_deg));
+                let words =
+                    format!("{} ({} before denoising)", angle(normal.denoised_noise_deg), angle(normal.noise_deg));
                 row(ui, "Normals, by noise", &words, "Root mean square angle at a pixel of mean light");
                 let words = angle(normal.calibration_deg);
                 row(ui, "Normals, by calibration", &words, "By the intervals of alpha and beta");

@@ -88,7 +88,7 @@ fn sign(level: Level) -> &'static str {
 
 fn colour_of(ui: &Ui, level: Level) -> Color32 {
     match level {
-        Level::Fine => theme::good(ui.visuals()),
+        Level::Fine => theme::fine(ui.visuals()),
         Level::TakeCare => ui.visuals().warn_fg_color,
         Level::DoNotTrust => ui.visuals().error_fg_color,
     }

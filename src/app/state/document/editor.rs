@@ -94,7 +94,9 @@ impl Editor {
 
     fn of(reading: Reading, settings: Settings, file: FileOnDisk) -> Self {
         let unread = if reading.complete { Vec::new() } else { reading.problems };
-        let document = Arc::new(Document { set: reading.set, settings });
+        let mut document = Document { set: reading.set, settings };
+        document.settings.take_over(&mut document.set);
+        let document = Arc::new(document);
         let mut editor = Self { saved: document.clone(), document, file, unread, ..Self::default() };
         editor.judge();
         editor
@@ -181,7 +183,7 @@ impl Editor {
         self.file = FileOnDisk::of(self.file.path.clone());
     }
 
-    /// Reads the file anew. Undo brings back what was there before.
+    /// Reads the file again. Undo brings back what was there before.
     pub fn reload(&mut self) -> Result<(), SetError> {
         let reading = Reading::open(&self.file.path)?;
         self.file = FileOnDisk::of(self.file.path.clone());

@@ -1,4 +1,4 @@
-//! The document: what a person edits, with undo, and everything that keeps it safe.
+//! The document: the set and its settings, with undo, saving and recovery.
 
 mod disk;
 mod editor;
@@ -9,15 +9,16 @@ mod settings;
 mod tests;
 
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::pipeline::{Method, SolveOptions};
 
 pub use disk::{DiskWatch, SaveError, VIEW_FILE, relocated};
 pub(crate) use disk::{read_view, write_view};
 pub use editor::Editor;
 pub use recovery::{Recovered, Recovery, save_everything_now};
 pub use reference::{Pose, Poses, ReferenceSettings, ReferenceSource};
-pub use settings::{NayarSettings, Settings, ShapeSettings};
+pub use settings::{NayarSettings, Settings};
 
-/// Everything that a person edits and that undo brings back. Small: photos and results are elsewhere.
+/// Everything that the user edits and that undo brings back. Small: photos and results are elsewhere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Document {
     /// What capture.toml says.
@@ -27,15 +28,8 @@ pub struct Document {
 }
 
 impl Document {
-    /// The set without the lights that the shape is recovered without.
-    pub fn used_set(&self) -> CaptureSet {
-        let used = |light: &String| !self.settings.shape.left_out.contains(light);
-        let mut set = self.set.clone();
-        set.lights.retain(|light| used(&light.name));
-        set.shots.retain(|shot| shot.light.as_ref().is_none_or(used));
-        set.calibration.alpha.retain(|light, _| used(light));
-        set.calibration.direction.retain(|light, _| used(light));
-        set.calibration.intensity.retain(|light, _| used(light));
-        set
+    /// As the pipeline takes it, by a method.
+    pub fn options(&self, method: Method) -> SolveOptions {
+        SolveOptions { method, nayar: self.settings.nayar.options(), ..SolveOptions::of(&self.set.shape) }
     }
 }

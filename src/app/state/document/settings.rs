@@ -1,10 +1,10 @@
-//! What a person chooses in the window beyond capture.toml.
+//! The window's settings beyond capture.toml.
 
-use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
-use firstbounce_core::denoise::DenoiseOptions;
+use firstbounce_capture::CaptureSet;
+use firstbounce_capture::export::OutputOptions;
+use firstbounce_capture::pipeline::Method;
+use firstbounce_capture::set::ShapeSettings;
 use firstbounce_core::methods::by_shape::ByShapeOptions;
-use firstbounce_core::stereo::normals::NormalsOptions;
-use firstbounce_core::stereo::shape::ShapeOptions;
 use serde::{Deserialize, Serialize};
 
 use super::reference::ReferenceSettings;
@@ -13,9 +13,12 @@ use super::reference::ReferenceSettings;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// From bounce 1 to the surface.
-    pub shape: ShapeSettings,
-    /// The other method, for comparison.
+    /// From bounce 1 to the surface, as earlier versions kept it here; capture.toml keeps it now.
+    #[serde(skip_serializing)]
+    shape: Option<ShapeSettings>,
+    /// The methods that the set is also solved by, for comparison: it takes seconds, or minutes.
+    pub compared: Vec<Method>,
+    /// For Nayar's method.
     pub nayar: NayarSettings,
     /// What to write, and by which conventions.
     pub export: OutputOptions,
@@ -23,12 +26,37 @@ pub struct Settings {
     pub reference: Option<Box<ReferenceSettings>>,
 }
 
-/// Whether and how the set is also solved by Nayar's method; the numbers' defaults are those of the command line.
+impl Settings {
+    /// Whether the set is also solved by this method.
+    pub fn is_compared(&self, method: Method) -> bool {
+        self.compared.contains(&method)
+    }
+
+    /// Solves the set by this method too, or no longer.
+    pub fn compare(&mut self, method: Method, compare: bool) {
+        self.compared.retain(|other| *other != method);
+        self.compared.extend(compare.then_some(method));
+    }
+
+    /// Takes over what earlier versions kept beside the set, where the set says nothing else.
+    pub(super) fn take_over(&mut self, set: &mut CaptureSet) {
+        if std::mem::take(&mut self.nayar.compute) {
+            self.compare(Method::Shape, true);
+        }
+        if let Some(mut shape) = self.shape.take().filter(|_| set.shape == ShapeSettings::default()) {
+            shape.leave_out.retain(|light| set.light_index(light).is_some());
+            set.shape = shape;
+        }
+    }
+}
+
+/// How the set is solved by Nayar's method; the numbers' defaults are those of the command line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct NayarSettings {
-    /// Whether it is: it takes seconds, or minutes with many patches.
-    pub compute: bool,
+    /// Whether the method is compared, as earlier versions kept it here.
+    #[serde(skip_serializing)]
+    compute: bool,
     /// About how many patches exchange light.
     pub patches: usize,
     /// Iterations after which to stop.
@@ -46,42 +74,5 @@ impl NayarSettings {
     /// As the pipeline takes them.
     pub fn options(&self) -> ByShapeOptions {
         ByShapeOptions { patches: self.patches, max_iterations: self.max_iterations, ..ByShapeOptions::default() }
-    }
-}
-
-/// How the surface is recovered; the defaults are those of the command line.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct ShapeSettings {
-    /// Names of lights that photometric stereo does without.
-    pub left_out: Vec<String>,
-    /// A light is in shadow below this share of the brightest light's.
-    pub shadow_fraction: f64,
-    /// With five or more lights, one that misses the fit by more than this share is left out.
-    pub outlier_fraction: f64,
-    /// How often near lamps are placed anew over the depth.
-    pub rounds: usize,
-    /// Half width of the window in which the noise of indirect light is averaged; 0 for none.
-    pub indirect_radius_px: usize,
-}
-
-impl Default for ShapeSettings {
-    fn default() -> Self {
-        let ShapeOptions { normals: NormalsOptions { shadow_fraction, outlier_fraction }, rounds, .. } =
-            ShapeOptions::default();
-        let indirect_radius_px = DenoiseOptions::default().radius_px;
-        Self { left_out: Vec::new(), shadow_fraction, outlier_fraction, rounds, indirect_radius_px }
-    }
-}
-
-impl ShapeSettings {
-    /// As the pipeline takes them.
-    pub fn options(&self) -> SolveOptions {
-        let normals = NormalsOptions { shadow_fraction: self.shadow_fraction, outlier_fraction: self.outlier_fraction };
-        SolveOptions {
-            denoise: DenoiseOptions { radius_px: self.indirect_radius_px, ..DenoiseOptions::default() },
-            shape: ShapeOptions { normals, rounds: self.rounds, ..ShapeOptions::default() },
-            ..SolveOptions::default()
-        }
     }
 }

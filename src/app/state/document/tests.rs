@@ -3,6 +3,8 @@ use std::path::PathBuf;
 
 use tempfile::tempdir;
 
+use firstbounce_capture::set::ShapeSettings;
+
 use super::*;
 
 const SET: &str = "schema = 1\nname = \"Vase\"\n";
@@ -67,9 +69,31 @@ fn what_could_not_be_read_stays_beside_the_file_that_replaces_it() {
 #[test]
 fn settings_are_kept_beside_the_set() {
     let (folder, mut editor) = opened();
-    editor.edit("Change indirect window", |document| document.settings.shape.indirect_radius_px = 7);
+    editor.edit("Change patches", |document| document.settings.nayar.patches = 700);
     editor.save().unwrap();
-    assert_eq!(Editor::open(folder.path()).unwrap().document().settings.shape.indirect_radius_px, 7);
+    assert_eq!(Editor::open(folder.path()).unwrap().document().settings.nayar.patches, 700);
+}
+
+#[test]
+fn settings_that_earlier_versions_kept_beside_the_set_are_taken_over_once() {
+    let (folder, _) = opened();
+    let old = r#"{ "settings": { "shape": { "left_out": [], "shadow_fraction": 0.2, "outlier_fraction": 0.3, "rounds": 2,
+        "indirect_radius_px": 5 }, "nayar": { "compute": true, "patches": 700, "max_iterations": 4 } } }"#;
+    std::fs::write(folder.path().join(VIEW_FILE), old).unwrap();
+    let mut editor = Editor::open(folder.path()).unwrap();
+    let document = editor.document();
+    assert_eq!((document.set.shape.shadow_share, document.set.shape.indirect_window_px), (0.2, 5));
+    assert!(document.settings.is_compared(Method::Shape) && document.settings.nayar.patches == 700);
+    rename(&mut editor, "Jug");
+    editor.save().unwrap();
+    assert!(std::fs::read_to_string(folder.path().join("capture.toml")).unwrap().contains("shadow_share = 0.2"));
+    assert!(!std::fs::read_to_string(folder.path().join(VIEW_FILE)).unwrap().contains("shadow_fraction"));
+
+    // From then on capture.toml counts.
+    editor.edit("Back to the defaults", |document| document.set.shape = ShapeSettings::default());
+    editor.save().unwrap();
+    let again = Editor::open(folder.path()).unwrap().document();
+    assert!(again.set.shape == ShapeSettings::default() && again.settings.is_compared(Method::Shape));
 }
 
 #[test]
@@ -93,7 +117,7 @@ fn a_crash_leaves_the_unsaved_document_to_the_next_run_and_an_orderly_end_leaves
     let (_folder, mut editor) = opened();
     rename(&mut editor, "Jug");
 
-    // A run that crashed: its folder is there, and nobody holds the lock.
+    // A run that crashed: its folder is there, and nothing holds the lock.
     let crashed = root.path().join("0");
     std::fs::create_dir(&crashed).unwrap();
     File::create(crashed.join("lock")).unwrap();
@@ -167,10 +191,10 @@ fn undo_across_save_as_leaves_the_photos_where_they_are() {
 #[test]
 fn settings_that_were_never_saved_are_not_lost_with_a_reload() {
     let (folder, mut editor) = opened();
-    editor.edit("Change indirect window", |document| document.settings.shape.indirect_radius_px = 7);
+    editor.edit("Change patches", |document| document.settings.nayar.patches = 700);
     std::fs::write(folder.path().join("capture.toml"), "schema = 1\nname = \"Jar\"\n").unwrap();
     editor.reload().unwrap();
     let document = editor.document();
-    assert_eq!((document.set.name.as_str(), document.settings.shape.indirect_radius_px), ("Jar", 7));
+    assert_eq!((document.set.name.as_str(), document.settings.nayar.patches), ("Jar", 700));
     assert!(editor.is_dirty());
 }

@@ -1,9 +1,10 @@
 //! What a view can show.
 
+use firstbounce_capture::pipeline::Method;
 use firstbounce_capture::set::Subject;
 use serde::{Deserialize, Serialize};
 
-use crate::app::state::results::{ShotName, When};
+use crate::app::state::results::{ShotName, SurfaceName};
 
 /// A picture, by names that survive edits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,8 +38,12 @@ pub enum Shown {
         /// The light's name.
         light: String,
     },
-    /// Direct light of a light, as Nayar's method finds it.
-    NayarDirect {
+    /// Direct light of a light, as another method finds it.
+    #[serde(alias = "NayarDirect")]
+    DirectBy {
+        /// Which method; that of Nayar in what earlier versions kept.
+        #[serde(default = "nayar")]
+        method: Method,
         /// The light's name.
         light: String,
     },
@@ -53,13 +58,13 @@ pub enum Shown {
         light: String,
     },
     /// Normals.
-    Normals(When),
+    Normals(SurfaceName),
     /// Albedo.
-    Albedo(When),
+    Albedo(SurfaceName),
     /// Predicted noise of the normals in degrees.
-    NormalNoise(When),
+    NormalNoise(SurfaceName),
     /// Depth.
-    Depth(When),
+    Depth(SurfaceName),
     /// Before, after and a reference in 3D.
     Surface,
     /// One picture of single values minus another.
@@ -69,7 +74,7 @@ pub enum Shown {
 impl Default for Shown {
     /// Normals from bounce 1: what the program is for.
     fn default() -> Self {
-        Self::Normals(When::After)
+        Self::Normals(SurfaceName::AFTER)
     }
 }
 
@@ -88,17 +93,17 @@ impl Shown {
             Self::Residual { light } => format!("Residual, {light}"),
             Self::Noise { light } => format!("Noise of bounce 1, {light}"),
             Self::Direct { light } => format!("Bounce 1 with less noise, {light}"),
-            Self::NayarDirect { light } => format!("Direct light by Nayar's method, {light}"),
+            Self::DirectBy { method, light } => format!("Direct light by {}, {light}", method.title()),
             Self::Marks { light } => format!("Marks, {light}"),
             Self::FigureOne { light } => format!("Bounces 1 and 2 in colour, {light}"),
-            Self::Normals(when) => format!("Normals {}", when_words(*when)),
-            Self::Albedo(when) => format!("Albedo {}", when_words(*when)),
-            Self::NormalNoise(when) => format!("Noise of the normals {}", when_words(*when)),
-            Self::Depth(when) => format!("Depth {}", when_words(*when)),
+            Self::Normals(when) => format!("Normals {}", when.words()),
+            Self::Albedo(when) => format!("Albedo {}", when.words()),
+            Self::NormalNoise(when) => format!("Noise of the normals {}", when.words()),
+            Self::Depth(when) => format!("Depth {}", when.words()),
             Self::Surface => "Surface in 3D".into(),
             Self::Difference(a, b) => match (&**a, &**b) {
                 (Self::Normals(a), Self::Normals(b)) => {
-                    format!("Angle between normals {} and {}", when_words(*a), when_words(*b))
+                    format!("Angle between normals {} and {}", a.words(), b.words())
                 }
                 _ => format!("{} minus {}", a.title(), b.title()),
             },
@@ -114,7 +119,7 @@ impl Shown {
             | Self::Residual { light }
             | Self::Noise { light }
             | Self::Direct { light }
-            | Self::NayarDirect { light }
+            | Self::DirectBy { light, .. }
             | Self::Marks { light }
             | Self::FigureOne { light } => Some(light),
             Self::Difference(a, _) => a.light(),
@@ -122,15 +127,16 @@ impl Shown {
         }
     }
 
-    /// Whether it shows something that Nayar's method found.
-    pub fn is_by_nayar(&self) -> bool {
+    /// The other method whose results it shows.
+    pub fn by_method(&self) -> Option<Method> {
         match self {
-            Self::NayarDirect { .. } => true,
-            Self::Normals(when) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => {
-                *when == When::Nayar
-            }
-            Self::Difference(a, b) => a.is_by_nayar() || b.is_by_nayar(),
-            _ => false,
+            Self::DirectBy { method, .. } => Some(*method),
+            Self::Normals(when) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => match when {
+                SurfaceName::Before | SurfaceName::AFTER => None,
+                SurfaceName::After(method) => Some(*method),
+            },
+            Self::Difference(a, b) => a.by_method().or_else(|| b.by_method()),
+            _ => None,
         }
     }
 
@@ -144,12 +150,8 @@ impl Shown {
     }
 }
 
-fn when_words(when: When) -> &'static str {
-    match when {
-        When::Before => "before",
-        When::After => "after",
-        When::Nayar => "by Nayar's method",
-    }
+fn nayar() -> Method {
+    Method::Shape
 }
 
 fn photo_title(shot: &ShotName) -> String {

@@ -11,7 +11,7 @@ use super::{Basis, News, Reference};
 use crate::app::base::bars::Bars;
 use crate::app::base::jobs::{Job, Jobs};
 use crate::app::state::document::{Pose, Poses};
-use crate::app::state::results::Meshes;
+use crate::app::state::results::{Meshes, SurfaceName};
 use crate::app::state::surfaces::LayerName;
 
 /// How the surfaces come to the reference.
@@ -37,9 +37,9 @@ impl Outcome {
     /// One surface's numbers.
     pub fn of(&self, layer: LayerName) -> Option<&Compared> {
         match layer {
-            LayerName::After => Some(&self.after),
-            LayerName::Before => self.before.as_ref().ok(),
-            LayerName::Nayar | LayerName::Reference => None,
+            LayerName::AFTER => Some(&self.after),
+            LayerName::Surface(SurfaceName::Before) => self.before.as_ref().ok(),
+            LayerName::Surface(SurfaceName::After(_)) | LayerName::Reference => None,
         }
     }
 

@@ -28,7 +28,7 @@ pub struct Loaded {
     pub mesh: Arc<Mesh>,
     /// What it is, in words.
     pub words: String,
-    /// What a person should know of it.
+    /// What the user should know of it.
     pub warnings: Vec<String>,
 }
 
@@ -57,7 +57,7 @@ pub struct LastComparison {
     pub outcome: Result<Arc<Outcome>, String>,
 }
 
-/// What a frame's update found that changes the document or is to be told.
+/// What a frame's update found that changes the document or is to be reported.
 pub enum News {
     /// The surfaces were aligned.
     Aligned(Poses),
@@ -157,7 +157,8 @@ impl Reference {
         let LastComparison { basis, outcome } = self.compared.as_ref()?;
         let outcome = outcome.as_ref().ok()?;
         let of = outcome.of(layer)?;
-        if !prepared.source.is_result(&basis.meshes) {
+        let is_result = |mesh: &Arc<Mesh>| Arc::ptr_eq(mesh, &prepared.source);
+        if !is_result(&basis.meshes.after) && !is_result(&basis.meshes.before) {
             return None;
         }
         let p95_mm = of.comparison.p95_mm;

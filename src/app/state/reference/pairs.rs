@@ -1,11 +1,11 @@
-//! Points that a person picks on the surface and on the reference, one after the other, for a rough alignment.
+//! Pairs of points that the user picks on the surface and on the reference, one after the other, for a rough alignment.
 
 use nalgebra::Point3;
 
 use crate::app::state::surfaces::LayerName;
 
 /// Three pairs fix a position.
-pub const FEWEST_PAIRS: usize = 3;
+pub const MIN_PAIRS: usize = 3;
 
 /// The points so far.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,7 +19,7 @@ pub struct Pairs {
 impl Pairs {
     /// The surface that the next point belongs on.
     pub fn next(&self) -> LayerName {
-        if self.on_surface.len() > self.on_reference.len() { LayerName::Reference } else { LayerName::After }
+        if self.on_surface.len() > self.on_reference.len() { LayerName::Reference } else { LayerName::AFTER }
     }
 
     /// Takes the next point.
@@ -53,7 +53,7 @@ impl Pairs {
 
     /// Whether there are enough.
     pub fn is_enough(&self) -> bool {
-        self.on_reference.len() >= FEWEST_PAIRS
+        self.on_reference.len() >= MIN_PAIRS
     }
 
     /// What to do next.
@@ -64,7 +64,7 @@ impl Pairs {
             _ if self.is_enough() => {
                 format!("{} pairs are picked: align in Shape, or click a further place.", number - 1)
             }
-            _ => format!("Point {number} of {FEWEST_PAIRS}: click a place on the surface that the reference has too."),
+            _ => format!("Point {number} of {MIN_PAIRS}: click a place on the surface that the reference has too."),
         }
     }
 }
@@ -77,7 +77,7 @@ mod tests {
     fn points_go_to_the_two_surfaces_in_turn() {
         let mut pairs = Pairs::default();
         for step in 0..6 {
-            let expected = if step % 2 == 0 { LayerName::After } else { LayerName::Reference };
+            let expected = if step % 2 == 0 { LayerName::AFTER } else { LayerName::Reference };
             assert_eq!((pairs.next(), pairs.is_enough()), (expected, false));
             pairs.add(Point3::new(f64::from(step), 0.0, 0.0));
         }

@@ -2,48 +2,52 @@
 
 use std::sync::Arc;
 
-use firstbounce_capture::pipeline::{Separated, Solved, Surfaced};
-use firstbounce_core::Mesh;
-use firstbounce_core::stereo::shape::Shape;
+use firstbounce_capture::pipeline::{Method, MethodReport, Solved, Surface, SurfaceName};
 
-use super::{Calibration, Loaded, Meshes, Results, Shapes};
+use super::{Results, StageState, Step};
+use crate::app::state::document::Document;
 
-/// The results of every stage, to be written off the UI thread.
-pub struct Finished {
-    loaded: Arc<Loaded>,
-    calibration: Arc<Calibration>,
-    separated: Arc<Separated>,
-    shapes: Arc<Shapes>,
-    meshes: Arc<Meshes>,
-}
+/// What can be written off the UI thread. Nothing is copied.
+pub type Finished = Arc<Solved>;
 
 impl Results {
-    /// The results of every stage; `None` until all of them are there.
-    pub fn finished(&self) -> Option<Finished> {
-        Some(Finished {
-            loaded: self.loaded()?,
-            calibration: self.calibration()?,
+    /// The surfaces of this document that can be written: those that a method found.
+    pub fn surfaces(&self, document: &Document) -> Vec<SurfaceName> {
+        let is_ready = |name: &SurfaceName| self.state(last_stage_of(*name), document) == StageState::Ready;
+        Method::ALL.into_iter().map(SurfaceName::After).filter(is_ready).collect()
+    }
+
+    /// Everything that belongs to a surface, as the command line would write it; `None` until it is there.
+    pub fn finished(&self, surface: SurfaceName, document: &Document) -> Option<Finished> {
+        match surface {
+            SurfaceName::Before | SurfaceName::AFTER => self.finished_by_colours(document).map(Arc::new),
+            SurfaceName::After(method) => Some(self.by_method(method)?.solved.clone()),
+        }
+    }
+
+    fn finished_by_colours(&self, document: &Document) -> Option<Solved> {
+        let (loaded, shapes, meshes) = (self.loaded()?, self.shapes()?, self.meshes()?);
+        let (after, before) = (shapes.after.clone(), shapes.before.clone());
+        Some(Solved {
+            set: Arc::new(document.set.clone()),
+            options: document.options(Method::Colours),
+            object: loaded.object.as_ref().ok()?.clone(),
+            calibrated: self.calibration()?.calibrated.clone(),
             separated: self.separated()?,
-            shapes: self.shapes()?,
-            meshes: self.meshes()?,
+            trust: shapes.trust.clone(),
+            direct: shapes.direct.clone(),
+            after: Ok(Surface { shape: after, mesh: meshes.after.clone() }),
+            before: Some(Surface { shape: before, mesh: meshes.before.clone() }),
+            report: MethodReport::None,
+            stages: Vec::new(),
         })
     }
 }
 
-impl Finished {
-    /// As the pipeline's writer takes them. Copies marks, so call it in a job.
-    pub fn solved(&self) -> Result<Solved, String> {
-        let surfaced = |shape: &Shape, mesh: &Mesh| Surfaced { shape: shape.clone(), mesh: mesh.clone() };
-        Ok(Solved {
-            object: self.loaded.object.clone()?,
-            calibrated: self.calibration.calibrated.clone(),
-            separated: Separated::clone(&self.separated),
-            trust: self.shapes.trust.clone(),
-            direct: self.shapes.direct.clone(),
-            after: Ok(surfaced(&self.shapes.after, &self.meshes.after)),
-            before: Some(surfaced(&self.shapes.before, &self.meshes.before)),
-            nayar: None,
-            stages: Vec::new(),
-        })
+/// The stage after which a surface has its triangles.
+pub fn last_stage_of(surface: SurfaceName) -> Step {
+    match surface {
+        SurfaceName::Before | SurfaceName::AFTER => Step::Mesh,
+        SurfaceName::After(method) => Step::ByMethod(method),
     }
 }

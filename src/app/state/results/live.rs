@@ -1,12 +1,15 @@
 //! What follows from the document at once, without waiting for a stage: alpha, beta and the bounce operator. A typed value
 //! is in force in the frame in which it is typed.
 
+use std::sync::Arc;
+
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Calibrated, rig_of};
 use firstbounce_core::separate::BounceSystem;
 use firstbounce_core::trust;
 
-use super::{Calibration, Given, Results};
+use super::stages::Given;
+use super::{Calibration, Results, StageError};
 use crate::app::state::document::Document;
 
 /// alpha, beta and the order m in force.
@@ -25,19 +28,13 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// What is missing, and what to do; `None` where alpha and beta are known.
-    pub fn missing(&self) -> Option<String> {
+    /// What is missing; `None` where alpha and beta are known.
+    pub fn missing(&self) -> Option<StageError> {
         if self.beta.is_none() {
-            return Some(
-                "beta is not known: photograph a ball of the object's paint in every colour, or type it in Calibrate"
-                    .into(),
-            );
+            return Some(StageError::NoBeta);
         }
         let light = self.alpha.iter().position(Option::is_none)?;
-        let name = &self.lights[light];
-        Some(format!(
-            "alpha of light \"{name}\" is not known: photograph a grey ball under it in every colour, or type it in Calibrate"
-        ))
+        Some(StageError::NoAlpha { light: self.lights[light].clone() })
     }
 
     /// The bounce operator of a light; an error says what is missing or impossible.
@@ -47,7 +44,8 @@ impl Rig {
 
     /// The same for another order m.
     pub fn system_of_order(&self, light: &str, bounces: usize) -> Result<BounceSystem, String> {
-        let missing = || self.missing().unwrap_or_else(|| format!("there is no light \"{light}\""));
+        let missing =
+            || self.missing().map_or_else(|| format!("there is no light \"{light}\""), |missing| missing.to_string());
         let index = self.lights.iter().position(|name| name == light).ok_or_else(missing)?;
         let (Some(beta), Some(Some(alpha))) = (&self.beta, self.alpha.get(index)) else { return Err(missing()) };
         let even = vec![1.0; beta.len()];
@@ -74,24 +72,25 @@ impl Results {
     /// once. An error says what is missing.
     pub fn trust_rig(&self, document: &Document) -> Result<trust::Rig, String> {
         let set = &document.set;
-        let loaded = self.load.last.as_deref().ok_or("the photos are being read")?;
+        let loaded = self.loaded().ok_or("the photos are being read")?;
         let nothing = Calibrated::default();
-        let calibration = self
-            .calibration_of(set)
+        let calibration = self.calibration_of(set);
+        let calibration = calibration
+            .as_deref()
             .filter(|calibration| calibration.lights.iter().eq(set.lights.iter().map(|light| &light.name)));
-        let calibrated = calibration.map_or(&nothing, |calibration| &calibration.calibrated);
+        let calibrated = calibration.map_or(&nothing, |calibration| &*calibration.calibrated);
         rig_of(set, &loaded.levels, calibrated).map_err(|error| error.to_string())
     }
 
     /// What is known of a set's rig beyond what it gives now. While a typed value that was taken back is still in force in
     /// the last calibration, the balls alone say it.
-    fn calibration_of(&self, set: &CaptureSet) -> Option<&Calibration> {
-        let colours = |of: &&Calibration| of.colours.iter().eq(set.colours.iter().map(|colour| &colour.name));
-        let exact = |of: &&Calibration| of.given.values == set.calibration && of.given.lights == set.lights;
-        let last = self.calibrate.last.as_deref().filter(colours);
-        let balls = || self.measure.last.as_deref().filter(colours);
-        let holds = |of: &&Calibration| of.given.is_given_by(set);
-        last.filter(exact).or_else(balls).or_else(|| last.filter(holds))
+    fn calibration_of(&self, set: &CaptureSet) -> Option<Arc<Calibration>> {
+        let colours = |of: &Arc<Calibration>| of.colours.iter().eq(set.colours.iter().map(|colour| &colour.name));
+        let exact = |of: &Arc<Calibration>| of.given.values == set.calibration && of.given.lights == set.lights;
+        let last = self.calibration().filter(colours);
+        let balls = || self.measured().filter(colours);
+        let holds = |of: &Arc<Calibration>| of.given.is_given_by(set);
+        last.clone().filter(exact).or_else(balls).or_else(|| last.filter(holds))
     }
 
     /// alpha, beta and m of this document: what it gives, else what was calibrated last.
@@ -106,20 +105,20 @@ impl Results {
         let alpha = |name: &str| {
             let given = set.calibration.alpha.get(name).filter(fits).cloned();
             let measured = || {
-                let calibration = calibration?;
+                let calibration = calibration.as_ref()?;
                 let index = calibration.lights.iter().position(|light| light == name)?;
                 calibration.calibrated.alpha.get(index)?.as_ref().map(values)
             };
             given.or_else(measured).or_else(|| alone.clone())
         };
         let beta = set.calibration.beta.as_ref().filter(fits).cloned();
-        let measured = || calibration?.calibrated.beta.as_ref().map(values);
+        let measured = || calibration.as_ref()?.calibrated.beta.as_ref().map(values);
         Rig {
             lights: set.lights.iter().map(|light| light.name.clone()).collect(),
             alpha: set.lights.iter().map(|light| alpha(&light.name)).collect(),
             beta: beta.or_else(measured).or_else(|| alone.clone()),
             bounces: set.bounces(),
-            sigma: self.load.last.as_ref().map(|loaded| loaded.levels.sigma.clone()).unwrap_or_default(),
+            sigma: self.loaded().map(|loaded| loaded.levels.sigma.clone()).unwrap_or_default(),
         }
     }
 }

@@ -3,16 +3,14 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use firstbounce_capture::pipeline::Separated;
+use firstbounce_capture::pipeline::{Method, SurfaceName};
 use firstbounce_capture::set::{Shot, Subject, Word};
 use firstbounce_core::stereo::shape::Shape;
-use firstbounce_core::{Marks, NormalMap, Plane};
+use firstbounce_core::{Marks, Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::nayar::ByNayar;
-use super::run::{Loaded, Shapes};
-use super::stage::Step;
+use super::Step;
 use crate::app::base::jobs::drop_aside;
 use crate::gpu::{CanvasMarks, CanvasPlane};
 
@@ -62,18 +60,18 @@ pub enum PlaneName {
     Residual(String),
     /// Bounce 1 with less noise.
     Direct(String),
-    /// Direct light of a light, as Nayar's method finds it.
-    NayarDirect(String),
+    /// Direct light of a light, as another method finds it.
+    DirectBy(Method, String),
     /// x, y or z of the normals.
-    Normal(When, usize),
+    Normal(SurfaceName, usize),
     /// Albedo.
-    Albedo(When),
+    Albedo(SurfaceName),
     /// Predicted noise of the normals in degrees.
-    NormalNoise(When),
+    NormalNoise(SurfaceName),
     /// By how many degrees taking the bounces out turned the normals; not a number where one of them is missing.
     Turned,
     /// Depth in the mesh's unit; not a number where there is none.
-    Depth(When),
+    Depth(SurfaceName),
 }
 
 /// Marks of the results.
@@ -84,29 +82,16 @@ pub enum MarksName {
     /// Of the separation of a light.
     Separation(String),
     /// Of the normals.
-    Normals(When),
+    Normals(SurfaceName),
     /// 1 inside the object.
     Mask,
 }
 
-/// From the photos as they are, from bounce 1, or by the other method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum When {
-    /// From the photos as they are.
-    Before,
-    /// From bounce 1.
-    After,
-    /// From the reference colour's photos by Nayar's method.
-    Nayar,
-}
-
-impl When {
-    /// The stage that gives it.
-    pub fn stage(self) -> Step {
-        match self {
-            Self::Before | Self::After => Step::Shape,
-            Self::Nayar => Step::Nayar,
-        }
+/// The stage that gives a surface.
+pub fn stage_of(surface: SurfaceName) -> Step {
+    match surface {
+        SurfaceName::Before | SurfaceName::AFTER => Step::Shape,
+        SurfaceName::After(method) => Step::ByMethod(method),
     }
 }
 
@@ -137,15 +122,9 @@ impl Pictures {
         self.marks.get(name)
     }
 
-    /// Takes the pictures that came with a result.
-    pub(super) fn take_from<T>(&mut self, (result, batch): (T, Batch)) -> T {
-        self.take(batch);
-        result
-    }
-
     /// Puts all pictures of one stage in place of those it gave before. The same name keeps its picture's key: the old
     /// numbers stay on screen until the new ones are on the card.
-    fn take(&mut self, batch: Batch) {
+    pub(super) fn take(&mut self, batch: Batch) {
         let stage = batch.stage;
         let old_planes: HashMap<_, _> = self.planes.extract_if(|name, _| name.stage() == stage).collect();
         for (name, plane, range) in batch.planes {
@@ -173,8 +152,8 @@ impl PlaneName {
             Self::Photo(_) => Step::Load,
             Self::Bounce(..) | Self::Noise(_) | Self::Residual(_) => Step::Separate,
             Self::Turned | Self::Direct(_) => Step::Shape,
-            Self::NayarDirect(_) => Step::Nayar,
-            Self::Normal(when, _) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => when.stage(),
+            Self::DirectBy(method, _) => Step::ByMethod(*method),
+            Self::Normal(name, _) | Self::Albedo(name) | Self::NormalNoise(name) | Self::Depth(name) => stage_of(*name),
         }
     }
 }
@@ -184,7 +163,7 @@ impl MarksName {
         match self {
             Self::Photo(_) | Self::Mask => Step::Load,
             Self::Separation(_) => Step::Separate,
-            Self::Normals(when) => when.stage(),
+            Self::Normals(name) => stage_of(*name),
         }
     }
 }
@@ -197,96 +176,36 @@ pub struct Batch {
 }
 
 impl Batch {
-    fn new(stage: Step) -> Self {
+    pub fn new(stage: Step) -> Self {
         Self { stage, planes: Vec::new(), marks: Vec::new() }
     }
 
-    pub fn of_loaded(loaded: &Loaded) -> Self {
-        let mut batch = Self::new(Step::Load);
-        for shot in &loaded.shots {
-            if let Ok(photo) = &shot.photo {
-                batch.put_ranged(PlaneName::Photo(shot.name.clone()), &photo.linear, shot.range);
-                batch.put_marks(MarksName::Photo(shot.name.clone()), &photo.marks);
-            }
-        }
-        if let Ok(object) = &loaded.object {
-            batch.marks.push((MarksName::Mask, CanvasMarks::of_mask(&object.mask)));
-        }
-        batch
-    }
-
-    pub fn of_separated(lights: &[String], separated: &Separated) -> Self {
-        let mut batch = Self::new(Step::Separate);
-        for (light, separation) in lights.iter().zip(&separated.lights) {
-            for (k, bounce) in (1..).zip(&separation.bounces) {
-                batch.put(PlaneName::Bounce(light.clone(), k), bounce);
-            }
-            if let Some(noise) = &separation.direct_noise {
-                batch.put(PlaneName::Noise(light.clone()), noise);
-            }
-            if let Some(residual) = &separation.residual {
-                batch.put(PlaneName::Residual(light.clone()), residual);
-            }
-            batch.put_marks(MarksName::Separation(light.clone()), &separation.marks);
-        }
-        batch
-    }
-
-    pub fn of_shapes(lights: &[String], shapes: &Shapes) -> Self {
-        let mut batch = Self::new(Step::Shape);
-        for (light, direct) in lights.iter().zip(&shapes.direct) {
-            batch.put(PlaneName::Direct(light.clone()), &direct.light);
-        }
-        batch.put_shape(When::After, &shapes.after);
-        batch.put_shape(When::Before, &shapes.before);
-        if let Some(turned) = turned(&shapes.before.normals.map, &shapes.after.normals.map) {
-            batch.put(PlaneName::Turned, &turned);
-        }
-        batch
-    }
-
-    pub fn of_nayar(found: &ByNayar) -> Self {
-        let mut batch = Self::new(Step::Nayar);
-        for (light, direct) in &found.direct {
-            batch.put(PlaneName::NayarDirect(light.clone()), direct);
-        }
-        batch.put_shape(When::Nayar, &found.shape);
-        batch
-    }
-
-    fn put_shape(&mut self, when: When, shape: &Shape) {
+    pub fn put_shape(&mut self, name: SurfaceName, shape: &Shape) {
         let normals = &shape.normals;
         for (axis, plane) in [normals.map.x(), normals.map.y(), normals.map.z()].into_iter().enumerate() {
-            self.put_ranged(PlaneName::Normal(when, axis), plane, [-1.0, 1.0]);
+            self.put_ranged(PlaneName::Normal(name, axis), plane, [-1.0, 1.0]);
         }
-        self.put(PlaneName::Albedo(when), &normals.albedo);
-        self.put(PlaneName::NormalNoise(when), &normals.noise_deg);
-        self.put(PlaneName::Depth(when), &depth_where_known(shape));
-        self.put_marks(MarksName::Normals(when), &normals.marks);
+        self.put(PlaneName::Albedo(name), &normals.albedo);
+        self.put(PlaneName::NormalNoise(name), &normals.noise_deg);
+        self.put(PlaneName::Depth(name), &depth_where_known(shape));
+        self.put_marks(MarksName::Normals(name), &normals.marks);
     }
 
-    fn put(&mut self, name: PlaneName, plane: &Plane) {
+    pub fn put(&mut self, name: PlaneName, plane: &Plane) {
         self.put_ranged(name, plane, range_of(plane));
     }
 
-    fn put_ranged(&mut self, name: PlaneName, plane: &Plane, range: [f32; 2]) {
+    pub fn put_ranged(&mut self, name: PlaneName, plane: &Plane, range: [f32; 2]) {
         self.planes.push((name, Arc::new(plane.clone()), range));
     }
 
-    fn put_marks(&mut self, name: MarksName, marks: &Marks) {
+    pub fn put_mask(&mut self, mask: CanvasMarks) {
+        self.marks.push((MarksName::Mask, mask));
+    }
+
+    pub fn put_marks(&mut self, name: MarksName, marks: &Marks) {
         self.marks.push((name, CanvasMarks::new(marks.clone())));
     }
-}
-
-/// Angles between two maps of normals in degrees; not a number where one has none.
-fn turned(before: &NormalMap, after: &NormalMap) -> Option<Plane> {
-    let (width, height) = after.size();
-    let angle = |index: usize| match (before.at_index(index), after.at_index(index)) {
-        // The arc cosine of a float knows no angle below 0.02 degrees.
-        (Some(a), Some(b)) => a.cross(&b).norm().atan2(a.dot(&b)).to_degrees(),
-        _ => f32::NAN,
-    };
-    Plane::from_vec(width, height, (0..width * height).into_par_iter().map(angle).collect())
 }
 
 fn depth_where_known(shape: &Shape) -> Plane {

@@ -1,32 +1,40 @@
-//! How a 3D view shows the surfaces: what a person chose, kept with the arrangement of views.
+//! The look of a 3D view: the user's choices, kept with the layout.
 
+use std::collections::BTreeMap;
+
+use firstbounce_capture::pipeline::Method;
 use serde::{Deserialize, Serialize};
 
+use crate::app::state::results::SurfaceName;
 use crate::gpu::mesh::{Bounds, Camera, Lens, StandardView};
 
 /// A surface that can be shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LayerName {
-    /// From bounce 1.
-    After,
-    /// From the photos as they are.
-    Before,
-    /// By Nayar's method, where it was asked for.
-    Nayar,
+    /// A surface of the set.
+    Surface(SurfaceName),
     /// A scan of the same object.
     Reference,
 }
 
 impl LayerName {
+    /// From bounce 1.
+    pub const AFTER: Self = Self::Surface(SurfaceName::AFTER);
+    /// From the photos as they are.
+    pub const BEFORE: Self = Self::Surface(SurfaceName::Before);
+
     /// All, in the order of the list.
-    pub const ALL: [Self; 4] = [Self::After, Self::Before, Self::Nayar, Self::Reference];
+    pub fn all() -> impl Iterator<Item = Self> {
+        let others = Method::others().map(|method| Self::Surface(SurfaceName::After(method)));
+        [Self::AFTER, Self::BEFORE].into_iter().chain(others).chain([Self::Reference])
+    }
 
     /// What it is called.
     pub fn title(self) -> &'static str {
         match self {
-            Self::After => "Bounce 1",
-            Self::Before => "Raw photos",
-            Self::Nayar => "Nayar's method",
+            Self::AFTER => "Bounce 1",
+            Self::Surface(SurfaceName::Before) => "Before",
+            Self::Surface(SurfaceName::After(method)) => method.title(),
             Self::Reference => "Reference",
         }
     }
@@ -34,9 +42,9 @@ impl LayerName {
     /// The same within a sentence.
     pub fn in_sentence(self) -> &'static str {
         match self {
-            Self::After => "bounce 1",
-            Self::Before => "raw photos",
-            Self::Nayar => "Nayar's method",
+            Self::AFTER => "bounce 1",
+            Self::Surface(SurfaceName::Before) => "before",
+            Self::Surface(SurfaceName::After(method)) => method.title(),
             Self::Reference => "reference",
         }
     }
@@ -118,10 +126,12 @@ pub struct SurfaceLook {
     pub wireframe: bool,
     /// Bounce 1: green, as in the paper's figures.
     pub after: LayerLook,
-    /// Raw photos: cyan.
+    /// Before: cyan.
     pub before: LayerLook,
-    /// Nayar's method: violet.
+    /// Other methods, until one is changed: violet.
     pub nayar: LayerLook,
+    /// Those that were changed.
+    pub others: BTreeMap<Method, LayerLook>,
     /// The scan: red.
     pub reference: LayerLook,
     /// When the layers wear these colours.
@@ -146,6 +156,7 @@ impl Default for SurfaceLook {
             after: layer(true, [112, 196, 112]),
             before: layer(false, [84, 196, 214]),
             nayar: layer(false, [178, 140, 222]),
+            others: BTreeMap::new(),
             reference: layer(true, [222, 98, 88]),
             colours: LayerColours::default(),
             lens: Lens::default(),
@@ -159,9 +170,9 @@ impl SurfaceLook {
     /// A layer's share.
     pub fn layer(&self, name: LayerName) -> &LayerLook {
         match name {
-            LayerName::After => &self.after,
-            LayerName::Before => &self.before,
-            LayerName::Nayar => &self.nayar,
+            LayerName::AFTER => &self.after,
+            LayerName::Surface(SurfaceName::Before) => &self.before,
+            LayerName::Surface(SurfaceName::After(method)) => self.others.get(&method).unwrap_or(&self.nayar),
             LayerName::Reference => &self.reference,
         }
     }
@@ -169,9 +180,9 @@ impl SurfaceLook {
     /// The same, to be changed.
     pub fn layer_mut(&mut self, name: LayerName) -> &mut LayerLook {
         match name {
-            LayerName::After => &mut self.after,
-            LayerName::Before => &mut self.before,
-            LayerName::Nayar => &mut self.nayar,
+            LayerName::AFTER => &mut self.after,
+            LayerName::Surface(SurfaceName::Before) => &mut self.before,
+            LayerName::Surface(SurfaceName::After(method)) => self.others.entry(method).or_insert(self.nayar),
             LayerName::Reference => &mut self.reference,
         }
     }
@@ -193,7 +204,7 @@ impl SurfaceLook {
     }
 
     /// Takes the eye to a named side, everything in sight.
-    pub fn stand(&mut self, view: StandardView, bounds: &Bounds, aspect: f64) {
+    pub fn look_from(&mut self, view: StandardView, bounds: &Bounds, aspect: f64) {
         self.camera = Some(Camera::fitted(bounds, view, self.lens, aspect));
     }
 }

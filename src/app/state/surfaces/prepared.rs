@@ -5,58 +5,17 @@ use std::sync::Arc;
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::{Coarse, LengthUnit, Pickable};
 
-use crate::app::state::results::{ByNayar, Meshes};
 use crate::gpu::mesh::Geometry;
 
 /// Meshes with more triangles are shown coarser.
-const MOST_TRIANGLES: usize = 1_000_000;
+const MAX_TRIANGLES: usize = 1_000_000;
 /// How many triangles are shown of those.
 const COARSE_TRIANGLES: usize = 500_000;
-
-/// Where a surface's mesh is kept.
-#[derive(Clone)]
-pub enum Source {
-    /// From bounce 1.
-    After(Arc<Meshes>),
-    /// From the photos as they are.
-    Before(Arc<Meshes>),
-    /// By Nayar's method.
-    Nayar(Arc<ByNayar>),
-    /// A scan.
-    Scan(Arc<Mesh>),
-}
-
-impl Source {
-    /// The mesh.
-    pub fn mesh(&self) -> &Mesh {
-        match self {
-            Self::After(meshes) => &meshes.after,
-            Self::Before(meshes) => &meshes.before,
-            Self::Nayar(found) => &found.mesh,
-            Self::Scan(mesh) => mesh,
-        }
-    }
-
-    /// Whether it is one of these results.
-    pub fn is_result(&self, of: &Arc<Meshes>) -> bool {
-        matches!(self, Self::After(meshes) | Self::Before(meshes) if Arc::ptr_eq(meshes, of))
-    }
-
-    /// Whether both are the same mesh, not only equal ones.
-    pub fn is(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::After(a), Self::After(b)) | (Self::Before(a), Self::Before(b)) => Arc::ptr_eq(a, b),
-            (Self::Nayar(a), Self::Nayar(b)) => Arc::ptr_eq(a, b),
-            (Self::Scan(a), Self::Scan(b)) => Arc::ptr_eq(a, b),
-            _ => false,
-        }
-    }
-}
 
 /// A surface made ready.
 pub struct Prepared {
     /// The full mesh.
-    pub source: Source,
+    pub source: Arc<Mesh>,
     /// As the card takes it.
     pub geometry: Arc<Geometry>,
     /// What is shown of a mesh that is too large: its numbers in the full one, and the mesh.
@@ -67,12 +26,12 @@ pub struct Prepared {
 
 impl Prepared {
     /// Makes a mesh ready; an error for one without triangles.
-    pub fn new(source: Source) -> Result<Self, String> {
-        Self::with_limit(source, MOST_TRIANGLES, COARSE_TRIANGLES)
+    pub fn new(source: Arc<Mesh>) -> Result<Self, String> {
+        Self::with_limit(source, MAX_TRIANGLES, COARSE_TRIANGLES)
     }
 
-    fn with_limit(source: Source, most: usize, coarse: usize) -> Result<Self, String> {
-        let full = source.mesh();
+    fn with_limit(source: Arc<Mesh>, most: usize, coarse: usize) -> Result<Self, String> {
+        let full = &*source;
         let coarse = (full.triangles.len() > most).then(|| {
             let coarse = Coarse::of(full, coarse);
             let mesh = coarse.mesh(full);
@@ -86,7 +45,7 @@ impl Prepared {
 
     /// The triangles that are shown.
     pub fn shown(&self) -> &Mesh {
-        self.coarse.as_ref().map_or(self.source.mesh(), |(_, mesh)| mesh)
+        self.coarse.as_ref().map_or(&self.source, |(_, mesh)| mesh)
     }
 
     /// Values of the full mesh's vertices as values of those that are shown; NaN for none.
@@ -98,19 +57,19 @@ impl Prepared {
         }
     }
 
-    /// What a person should know of a surface that is shown coarser than it is.
+    /// What the user should know of a surface that is shown coarser than it is.
     pub fn words(&self) -> Option<String> {
         let (_, mesh) = self.coarse.as_ref()?;
         Some(format!(
             "shown with {} of {} triangles; export stays full",
             thousands(mesh.triangles.len()),
-            thousands(self.source.mesh().triangles.len())
+            thousands(self.source.triangles.len())
         ))
     }
 
     /// The name of its unit.
     pub fn unit(&self) -> &'static str {
-        match self.source.mesh().unit {
+        match self.source.unit {
             LengthUnit::Millimetre => "mm",
             LengthUnit::Pixel => "px",
         }
@@ -157,7 +116,7 @@ mod tests {
     fn a_large_mesh_is_shown_coarser_with_the_values_of_its_own_vertices() {
         let mesh = square(100);
         let values: Vec<_> = mesh.positions.iter().map(|p| Some(p.x + 1000.0 * p.y)).collect();
-        let prepared = Prepared::with_limit(Source::Scan(Arc::new(mesh)), 10_000, 4_000).unwrap();
+        let prepared = Prepared::with_limit(Arc::new(mesh), 10_000, 4_000).unwrap();
         let shown = prepared.shown();
         assert!(shown.triangles.len() <= 4_000 && shown.triangles.len() > 1_000);
         let shown_values = prepared.shown_values(&values);

@@ -26,8 +26,8 @@ const LONGEST_FRAME_S: f32 = 0.1;
 pub fn seen(look: &SurfaceLook, session: &Session, flicker: bool) -> Vec<Seen> {
     let visible = |name: LayerName| {
         let shown = match (name, flicker) {
-            (LayerName::After, true) => LayerName::Before,
-            (LayerName::Before, true) => LayerName::After,
+            (LayerName::AFTER, true) => LayerName::BEFORE,
+            (LayerName::BEFORE, true) => LayerName::AFTER,
             _ => name,
         };
         look.layer(shown).visible
@@ -40,7 +40,7 @@ pub fn seen(look: &SurfaceLook, session: &Session, flicker: bool) -> Vec<Seen> {
         };
         Some(Seen { name, prepared, pose })
     };
-    LayerName::ALL.into_iter().filter(|name| visible(*name)).filter_map(seen).collect()
+    LayerName::all().filter(|name| visible(*name)).filter_map(seen).collect()
 }
 
 /// The box around everything.
@@ -182,7 +182,7 @@ fn decorate(ui: &Ui, response: &Response, state: &ViewState, frame: &Frame, (uni
     }
 }
 
-/// What the colours stand for.
+/// The quantity that the colours show.
 fn quantity(shading: Shading, unit: &str) -> String {
     match shading {
         Shading::Distance(_) => "Distance to the reference, mm".into(),

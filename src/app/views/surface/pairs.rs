@@ -29,7 +29,7 @@ pub fn ui(ui: &mut Ui, look: &mut SurfaceLook, state: &mut ViewState, session: &
     });
     // The two may lie far apart: each has an eye of its own.
     let mut own = SurfaceLook { shade: Shade::Matcap, turntable: false, ..look.clone() };
-    for name in LayerName::ALL {
+    for name in LayerName::all() {
         own.layer_mut(name).visible = name == layer;
     }
     if layer == LayerName::Reference {

@@ -87,7 +87,7 @@ fn picked(ui: &mut Ui, state: &mut ViewState, unit: &str) {
 
 /// Why there is nothing to see, and what to do.
 fn nothing(look: &SurfaceLook, document: &Document, session: &Session) -> String {
-    let asked: Vec<_> = LayerName::ALL.into_iter().filter(|name| look.layer(*name).visible).collect();
+    let asked: Vec<_> = LayerName::all().filter(|name| look.layer(*name).visible).collect();
     if asked.is_empty() {
         return "every layer is hidden: choose one in Layers".into();
     }

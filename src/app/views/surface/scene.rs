@@ -26,7 +26,7 @@ impl Heat {
     pub fn of(session: &mut Session, look: &SurfaceLook, seen: &[Seen]) -> Option<Self> {
         let mut p95_mm = 0.0_f64;
         let mut values = Vec::new();
-        for name in [LayerName::After, LayerName::Before] {
+        for name in [LayerName::AFTER, LayerName::BEFORE] {
             let Some(prepared) = session.surfaces.layer(name) else { continue };
             let Some((of_layer, own_mm)) = session.reference.heat(name, prepared) else { continue };
             if seen.iter().any(|seen| seen.name == name) {

@@ -11,10 +11,10 @@ use crate::gpu::mesh::{Camera, Kept};
 /// What a click does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
-    /// Tells where the point is.
+    /// Reads the position of a point.
     #[default]
     Point,
-    /// Tells how far apart two points are.
+    /// Measures the distance between two points.
     Distance,
     /// Moves the section plane.
     Section,
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     fn at(x: f64, y: f64, z: f64) -> Picked {
-        Picked { layer: LayerName::After, point: Point3::new(x, y, z) }
+        Picked { layer: LayerName::AFTER, point: Point3::new(x, y, z) }
     }
 
     #[test]

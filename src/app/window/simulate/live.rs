@@ -1,4 +1,4 @@
-//! What is computed anew off the UI thread whenever its options have changed and settled; the last outcome is shown
+//! Live results: computed again off the UI thread whenever its options have changed and settled; the last outcome is shown
 //! meanwhile.
 
 use std::sync::Arc;

@@ -81,7 +81,7 @@ impl MeshChoice {
         }
     }
 
-    /// What a person should know of the file.
+    /// What the user should know of the file.
     pub fn warnings(&self) -> &[String] {
         match &self.read {
             Some(Ok((_, warnings))) => warnings,

@@ -1,4 +1,4 @@
-//! "New simulated set": a shape or mesh is lit and photographed in memory, seen small while a person changes it, judged
+//! "New simulated set": a shape or mesh is lit and photographed in memory, previewed while the user changes it, judged
 //! by the planner, and written as a capture set.
 
 mod form;

@@ -70,7 +70,7 @@ pub fn ui(ui: &mut Ui, live: &Live<PlanFor, Planned>, values: &mut Values) {
     ui.label(words);
     ui.label(
         RichText::new(format!(
-            "Mean error of the normals in degrees, order m = {}; from the photos as they are: {:.2}.",
+            "Mean error of the normals in degrees, order m = {}; before: {:.2}.",
             plan.bounces, plan.raw_deg
         ))
         .small()
@@ -136,7 +136,7 @@ fn parts(ui: &Ui) -> [Part; 3] {
     [
         Part { name: "by noise", colour: visuals.hyperlink_color, degrees: |point| point.noise_deg },
         Part { name: "by later bounces", colour: visuals.warn_fg_color, degrees: |point| point.truncation_deg },
-        Part { name: "by both", colour: theme::good(visuals), degrees: |point| point.error_deg },
+        Part { name: "by both", colour: theme::fine(visuals), degrees: |point| point.error_deg },
     ]
 }
 

@@ -17,7 +17,7 @@ const PATCHES: usize = 400;
 /// Light that bounced more often is too weak to be seen.
 const BOUNCES: usize = 8;
 /// Side of a picture in the window, in points.
-const MOST_POINTS: f32 = 210.0;
+const MAX_POINTS: f32 = 210.0;
 
 /// Small pictures, and what is said of them.
 pub struct Preview {
@@ -127,7 +127,7 @@ pub fn ui(ui: &mut Ui, live: &Live<SimulateOptions, Preview>, shown: &mut Shown)
         };
         *shown = Shown { of: Some(preview.clone()), textures: preview.pictures.iter().map(load).collect() };
     }
-    let side = ((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0).clamp(40.0, MOST_POINTS);
+    let side = ((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0).clamp(40.0, MAX_POINTS);
     ui.horizontal(|ui| {
         for (name, texture) in &shown.textures {
             ui.vertical(|ui| {

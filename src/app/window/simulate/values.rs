@@ -1,4 +1,4 @@
-//! What a person chooses, and the options it stands for.
+//! The form's values, and the options that they mean.
 
 use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_core::light::scene::Lens;
@@ -8,10 +8,10 @@ use firstbounce_lab::simulate::{BallOptions, Exposure, LampOptions, Measures, Sc
 use super::mesh::MeshChoice;
 
 /// Where a lens is put first: a few times as far as the built-in shapes are wide.
-const USUAL_DISTANCE_MM: f64 = 400.0;
-const USUAL_LAMP_SIDE_MM: f64 = 60.0;
+const DEFAULT_DISTANCE_MM: f64 = 400.0;
+const DEFAULT_LAMP_SIDE_MM: f64 = 60.0;
 /// Of a new ring, as of the options' own.
-const USUAL_TILT_DEG: f64 = 20.0;
+const DEFAULT_TILT_DEG: f64 = 20.0;
 
 /// What is photographed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +29,7 @@ impl SceneKind {
     /// All, in the order of a choice.
     pub const ALL: [Self; 6] = [Self::Corner, Self::Groove, Self::Bowl, Self::Cap, Self::Tray, Self::Mesh];
 
-    /// As a person reads it.
+    /// As the user reads it.
     pub fn title(self) -> &'static str {
         match self {
             Self::Corner => "Corner",
@@ -79,7 +79,7 @@ impl LampKind {
     /// All, in the order of a choice.
     pub const ALL: [Self; 3] = [Self::Distant, Self::Point, Self::Area];
 
-    /// As a person reads it.
+    /// As the user reads it.
     pub fn title(self) -> &'static str {
         match self {
             Self::Distant => "Far away",
@@ -138,12 +138,12 @@ impl Default for Values {
             albedos: options.albedos,
             bounces: 2,
             lamps: LampKind::default(),
-            tilt_deg: USUAL_TILT_DEG,
-            lamp_distance_mm: USUAL_DISTANCE_MM,
-            lamp_side_mm: USUAL_LAMP_SIDE_MM,
+            tilt_deg: DEFAULT_TILT_DEG,
+            lamp_distance_mm: DEFAULT_DISTANCE_MM,
+            lamp_side_mm: DEFAULT_LAMP_SIDE_MM,
             intensities: options.lamps.iter().map(|lamp| lamp.intensity).collect(),
             is_perspective: false,
-            distance_mm: USUAL_DISTANCE_MM,
+            distance_mm: DEFAULT_DISTANCE_MM,
             pixels: options.size_px,
             bits: options.sensor.bits,
             frames: options.sensor.frames,
@@ -188,7 +188,7 @@ impl Values {
         lamps
     }
 
-    /// The options that this stands for.
+    /// The options that these values mean.
     ///
     /// # Errors
     /// One line that says what to change.

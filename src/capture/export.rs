@@ -10,11 +10,10 @@ use std::path::{Path, PathBuf};
 use firstbounce_core::{NormalMap, Plane};
 use indexmap::IndexMap;
 
-use super::watch::Part;
-use super::{PipelineError, PipelineWatch, Solved, Stage, StageCost, Surfaced, camera_of};
 use crate::atomic::{OutputFolder, WriteError};
 use crate::image_file::{ExrLayer, ImageError, depth_png, normals_png, write_exr};
-use crate::report::{ExportWords, Report, html, overview, unit_word};
+use crate::pipeline::{Part, PipelineError, PipelineWatch, Solved, Stage, StageCost, Surface, camera_of};
+use crate::report::{ExportRecord, Report, html, overview, unit_word};
 use crate::set::CaptureSet;
 
 use earlier::Earlier;
@@ -27,7 +26,7 @@ pub use options::OutputOptions;
 /// `WriteError::NotOurs` where a file would take the place of one that no earlier run wrote, or of one of the set.
 pub fn write_solved(
     set: &CaptureSet,
-    solved: &mut Solved,
+    solved: &Solved,
     mut folder: OutputFolder,
     options: &OutputOptions,
     watch: &dyn PipelineWatch,
@@ -35,11 +34,9 @@ pub fn write_solved(
     options.check()?;
     let earlier = Earlier::of(folder.target());
     earlier.retire(&mut folder);
-    let mut stages = std::mem::take(&mut solved.stages);
+    let mut stages = solved.stages.clone();
     let mut files = Files { folder, written: IndexMap::new() };
-    let written =
-        StageCost::measure(&mut stages, Stage::Write, || write_results(set, solved, &mut files, options, watch));
-    solved.stages = stages;
+    let written = StageCost::measure(&mut stages, Stage::Write, || write_results(solved, &mut files, options, watch));
     let export = written?;
 
     let path = files.add("overview.png", "photo, bounces of the first light, normals before and after")?;
@@ -47,10 +44,10 @@ pub fn write_solved(
     files.note("report.json", "every number of this run");
     files.note("report.html", "this run on one page, with pictures");
     earlier.check(set, &files.folder, files.written.keys())?;
-    let report = Report::new(set, solved, options.green, export, files.written.clone());
+    let report = Report::new(solved, stages, options.green, export, files.written.clone());
     let json = serde_json::to_string_pretty(&report).map_err(PipelineError::Json)?;
     write_text(&files.folder.file("report.json")?, &(json + "\n"))?;
-    write_text(&files.folder.file("report.html")?, &html(set, solved, &report)?)?;
+    write_text(&files.folder.file("report.html")?, &html(solved, &report)?)?;
     if watch.cancelled() {
         return Err(PipelineError::Cancelled);
     }
@@ -79,12 +76,12 @@ impl Files {
 }
 
 fn write_results(
-    set: &CaptureSet,
     solved: &Solved,
     files: &mut Files,
     options: &OutputOptions,
     watch: &dyn PipelineWatch,
-) -> Result<ExportWords, PipelineError> {
+) -> Result<ExportRecord, PipelineError> {
+    let set = &solved.set;
     let count = set.lights.len() + 2;
     for (l, light) in set.lights.iter().enumerate() {
         write_bounces(solved, l, &light.name, files)?;
@@ -94,7 +91,7 @@ fn write_results(
     let surfaces =
         [(solved.after.as_ref().ok(), "", ""), (solved.before.as_ref(), "-raw", " from the photos as they are")];
     let unit = surfaces.iter().find_map(|(surface, ..)| surface.map(|surface| surface.mesh.unit));
-    let mut export = ExportWords::of(options, unit);
+    let mut export = options::record(options, unit);
     for (index, (surface, suffix, origin)) in (count - 2..).zip(surfaces) {
         let Some(surface) = surface else { continue };
         write_surface(surface, (suffix, origin), files, options, &mut export)?;
@@ -140,13 +137,13 @@ fn write_bounces(solved: &Solved, l: usize, light: &str, files: &mut Files) -> R
 
 /// Normals, albedo and depth; `suffix` goes into the names, `origin` into what is said of them.
 fn write_surface(
-    surfaced: &Surfaced,
+    surface: &Surface,
     (suffix, origin): (&str, &str),
     files: &mut Files,
     options: &OutputOptions,
-    export: &mut ExportWords,
+    export: &mut ExportRecord,
 ) -> Result<(), PipelineError> {
-    let Surfaced { shape, mesh } = surfaced;
+    let Surface { shape, mesh } = surface;
     let map: &NormalMap = &shape.normals.map;
     let path = files.add(format!("normals{suffix}.png"), format!("normals{origin}, 16 bits"))?;
     write_bytes(&path, &normals_png([map.x(), map.y(), map.z()], options.green)?)?;

@@ -1,11 +1,14 @@
 //! What to write, and how.
 
+use firstbounce_core::mesh::LengthUnit;
 use firstbounce_core::mesh::decimate::DecimateOptions;
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::super::PipelineError;
 use crate::image_file::{GreenAxis, GreyBits};
 use crate::mesh_file::{Axes, OutputFormat};
+use crate::pipeline::PipelineError;
+use crate::report::{ExportRecord, MeshFormatRecord};
 
 /// What to write beside bounces, normals and report, and by which conventions. The same for `solve` and for the window.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,5 +59,20 @@ impl OutputOptions {
     /// Whether meshes of this format are written.
     pub fn writes(&self, format: OutputFormat) -> bool {
         self.formats.contains(&format)
+    }
+}
+
+/// What the options say, for the report; what they cost comes as it is written. `unit` is the meshes', if there are any.
+pub(super) fn record(options: &OutputOptions, unit: Option<LengthUnit>) -> ExportRecord {
+    let of_unit = |unit| {
+        options.formats.iter().map(move |format| {
+            let record = MeshFormatRecord { axes: format.axes(options.axes).words(), unit: format.unit(unit) };
+            (format.extension(), record)
+        })
+    };
+    ExportRecord {
+        meshes: unit.into_iter().flat_map(of_unit).collect(),
+        decimation: IndexMap::new(),
+        depth_png: IndexMap::new(),
     }
 }

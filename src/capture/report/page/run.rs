@@ -4,10 +4,10 @@ use firstbounce_core::Plane;
 use maud::{Markup, html};
 use rayon::prelude::*;
 
-use super::calibration::Row;
-use super::page::page;
-use super::{Picture, Pictures, Report, ShapeWords};
-use crate::pipeline::{PipelineError, Solved, Surfaced};
+use super::frame::page;
+use super::{Picture, Pictures, nayar};
+use crate::pipeline::{Method, PipelineError, Solved, Surface};
+use crate::report::{Report, Row, ShapeRecord};
 use crate::set::CaptureSet;
 
 /// A run at a glance: the first light's photo, its bounces as in the paper's Figure 1, normals before and after.
@@ -19,20 +19,21 @@ pub fn overview(solved: &Solved) -> Picture {
         shown.push(pictures.composite(&bounces[0], &sum_of(&bounces[1..])).0);
     }
     let surfaces = [solved.before.as_ref(), solved.after.as_ref().ok()];
-    shown.extend(surfaces.into_iter().flatten().map(|surfaced| pictures.normals(&surfaced.shape.normals.map)));
+    shown.extend(surfaces.into_iter().flatten().map(|surface| pictures.normals(&surface.shape.normals.map)));
     Picture::row(&shown)
 }
 
 /// The page of a run.
-pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String, PipelineError> {
-    let pictures = Pictures::of(&solved.object.mask);
+pub fn html(solved: &Solved, report: &Report) -> Result<String, PipelineError> {
+    let (set, pictures) = (&*solved.set, Pictures::of(&solved.object.mask));
+    let all_colours = solved.options.method.needs().all_colours;
     let body = html! {
-        p { (summary(report)) }
+        p { (summary(report, solved.options.method)) }
         (warnings(report))
-        @if report.nayar.is_none() { (trust_section(report)) }
+        @if all_colours { (trust_section(report)) }
         h2 { "Captures and bounces" }
         @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
-        @if let Some(nayar) = &report.nayar { (nayar.section()) }
+        @if let Some(record) = &report.nayar { (nayar::section(record)) }
         (shape_section(solved, report, pictures)?)
         h2 { "Calibration" }
         (calibration_table(report))
@@ -45,11 +46,11 @@ pub fn html(set: &CaptureSet, solved: &Solved, report: &Report) -> Result<String
     Ok(page(&report.set.name, "", &report.program, &body))
 }
 
-fn summary(report: &Report) -> String {
+fn summary(report: &Report, method: Method) -> String {
     let [width, height] = report.set.size;
-    let how = match &report.nayar {
-        Some(_) => "direct light found by Nayar's method".to_owned(),
-        None => format!("{} bounces separated", report.bounces),
+    let how = match method {
+        Method::Colours => format!("{} bounces separated", report.bounces),
+        other => format!("direct light found by {}", other.title()),
     };
     format!(
         "{} lights ({}), {} colours ({}, reference first), {width} x {height} pixels, {} of them object; {how}.",
@@ -76,7 +77,7 @@ fn trust_section(report: &Report) -> Markup {
         h2 { "Trust" }
         p { "Verdict: " strong { (trust.level) } "." }
         table {
-            tr { th { "Light" } th { "noise of bounce 1, %" } th { "once quietened, %" } th { "calibration, %" } th { "tail, %" } }
+            tr { th { "Light" } th { "noise of bounce 1, %" } th { "once denoised, %" } th { "calibration, %" } th { "tail, %" } }
             @for (light, words) in &trust.light {
                 tr {
                     td { (light) } td { (number(words.noise_percent)) } td { (number(words.quiet_noise_percent)) }
@@ -135,8 +136,8 @@ fn light_section(
 fn shape_section(solved: &Solved, report: &Report, pictures: Pictures) -> Result<Markup, PipelineError> {
     let (Ok(after), Some(words)) = (&solved.after, &report.shape) else { return Ok(html! {}) };
     let mut shown = Vec::new();
-    let mut add = |what: &str, surfaced: &Surfaced| -> Result<(), PipelineError> {
-        let shape = &surfaced.shape;
+    let mut add = |what: &str, surface: &Surface| -> Result<(), PipelineError> {
+        let shape = &surface.shape;
         shown.push((format!("Normals {what}"), pictures.normals(&shape.normals.map).data_address()?));
         shown.push((format!("Depth {what}"), pictures.depth(&shape.depth.depth_mm, &shape.depth.mask).data_address()?));
         Ok(())
@@ -144,7 +145,10 @@ fn shape_section(solved: &Solved, report: &Report, pictures: Pictures) -> Result
     if let Some(before) = &solved.before {
         add("before: photos as they are", before)?;
     }
-    add(if solved.nayar.is_some() { "after: Nayar's method" } else { "after: bounce 1 alone" }, after)?;
+    match solved.options.method {
+        Method::Colours => add("after: bounce 1 alone", after)?,
+        other => add(&format!("after: {}", other.title()), after)?,
+    }
     shown.push(("Albedo".into(), pictures.light(&after.shape.normals.albedo).data_address()?));
     Ok(html! {
         h2 { "Shape" }
@@ -155,8 +159,8 @@ fn shape_section(solved: &Solved, report: &Report, pictures: Pictures) -> Result
     })
 }
 
-fn shape_table(after: &ShapeWords, before: Option<&ShapeWords>) -> Markup {
-    type Cell = fn(&ShapeWords) -> String;
+fn shape_table(after: &ShapeRecord, before: Option<&ShapeRecord>) -> Markup {
+    type Cell = fn(&ShapeRecord) -> String;
     let rows: [(&str, Cell); 8] = [
         ("Pixels with a normal", |words| words.solved_pixels.to_string()),
         ("of these in some shadow", |words| (words.shadowed_pixels + words.shadow_used_pixels).to_string()),

@@ -1,12 +1,13 @@
-//! The other method beside the paper's: whether to run it, how it converges, how it compares.
+//! Other methods beside the paper's: whether to run them, how they converge, how they compare.
 
 use eframe::egui::{Color32, DragValue, Grid, RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
-use firstbounce_capture::pipeline::NayarErrors;
+use firstbounce_capture::pipeline::{Method, NayarErrors};
+use firstbounce_core::methods::by_shape::ByShapeReport;
 
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
-use crate::app::state::results::{ByNayar, StageState, Step, When};
+use crate::app::state::results::{ByMethod, StageState, Step, SurfaceName};
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 
@@ -15,38 +16,51 @@ const HEIGHT: f32 = 170.0;
 /// `errors` are what the truth says of every iteration, where it was asked.
 pub fn ui(ui: &mut Ui, session: &mut Session, document: &Document, errors: Option<&NayarErrors>) {
     ui.label(RichText::new("Another method, to compare").strong());
-    let mut compute = document.settings.nayar.compute;
-    let hover = "Nayar, Ikeuchi and Kanade 1991: takes the reference colour's photos alone, simulates the light that bounces \
-                 about on the shape, takes it away, and begins anew with the better shape. Takes seconds.";
-    if ui.checkbox(&mut compute, "Also solve by Nayar's method").on_hover_text(hover).changed() {
-        let name = if compute { "Solve by Nayar's method" } else { "Stop solving by Nayar's method" };
-        session.edit(name, |document| document.settings.nayar.compute = compute);
+    for method in Method::others() {
+        one(ui, session, document, method, errors);
     }
-    if !compute {
+}
+
+fn one(ui: &mut Ui, session: &mut Session, document: &Document, method: Method, errors: Option<&NayarErrors>) {
+    let (title, mut compare) = (method.title(), document.settings.is_compared(method));
+    let hover = format!("{}. Takes seconds.", method.purpose());
+    if ui.checkbox(&mut compare, format!("Also solve by {title}")).on_hover_text(hover).changed() {
+        let verb = if compare { "Solve" } else { "Stop solving" };
+        session.edit(&format!("{verb} by {title}"), |document| document.settings.compare(method, compare));
+    }
+    if !compare {
         return;
     }
-    options(ui, session, document);
-    let state = session.results.state(Step::Nayar, document);
+    options(ui, session, document, method);
+    let state = session.results.state(Step::ByMethod(method), document);
     match &state {
         StageState::Failed { line } | StageState::Blocked { line } => {
             ui.colored_label(ui.visuals().error_fg_color, line);
         }
-        StageState::Running { .. } | StageState::Stale => advice(ui, "Nayar's method is at work."),
+        StageState::Running { .. } | StageState::Stale => advice(ui, format!("{} is at work.", upper_first(title))),
         StageState::Ready => {}
     }
     // What failed for this document says nothing of an older result.
-    if let Some(found) = session.results.by_nayar().filter(|_| !matches!(state, StageState::Failed { .. })) {
+    if let Some(found) = session.results.by_method(method).filter(|_| !matches!(state, StageState::Failed { .. })) {
         outcome(ui, &found);
-        convergence(ui, &found, errors);
-        pictures(ui, session, document);
+        if let Some(nayar) = found.solved.report.nayar() {
+            convergence(ui, &nayar.report, errors);
+        }
+        pictures(ui, session, document, method);
     }
 }
 
-fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
+fn options(ui: &mut Ui, session: &mut Session, document: &Document, method: Method) {
+    let needs_albedo = method.needs().absolute_albedo;
     let mut settings = document.settings.nayar.clone();
     let mut changed = None;
     Grid::new("nayar options").num_columns(2).show(ui, |ui| {
-        grey_albedo(ui, session, document);
+        if needs_albedo {
+            grey_albedo(ui, session, document);
+        }
+        if method != Method::Shape {
+            return;
+        }
         let mut whole = |ui: &mut Ui, label: &str, hover: &str, value: &mut usize, range, speed| {
             let name = ui.label(label).on_hover_text(hover);
             if ui.add(DragValue::new(value).range(range).speed(speed)).labelled_by(name.id).changed() {
@@ -86,8 +100,19 @@ fn grey_albedo(ui: &mut Ui, session: &mut Session, document: &Document) {
     ui.end_row();
 }
 
-fn outcome(ui: &mut Ui, found: &ByNayar) {
-    let report = &found.report;
+fn outcome(ui: &mut Ui, found: &ByMethod) {
+    if let Some(nayar) = found.solved.report.nayar() {
+        iterations(ui, &nayar.report);
+    }
+    if let Some(angle) = found.from_bounce_1 {
+        ui.label(format!("Its normals are {:.2} degrees from those of bounce 1 on the mean.", angle.mean_deg));
+    }
+    for warning in &found.warnings {
+        ui.colored_label(ui.visuals().warn_fg_color, warning);
+    }
+}
+
+fn iterations(ui: &mut Ui, report: &ByShapeReport) {
     let iterations = report.steps.len().saturating_sub(1);
     ui.label(format!(
         "{} after {iterations} iterations over {} patches.",
@@ -103,18 +128,11 @@ fn outcome(ui: &mut Ui, found: &ByNayar) {
             100.0 * first.residual
         ));
     }
-    if let Some(angle) = found.from_bounce_1 {
-        ui.label(format!("Its normals are {:.2} degrees from those of bounce 1 on the mean.", angle.mean_deg));
-    }
-    for warning in &found.warnings {
-        ui.colored_label(ui.visuals().warn_fg_color, warning);
-    }
 }
 
 /// How far each iteration turned the normals and, where the truth is known, how wrong they still were.
-fn convergence(ui: &mut Ui, found: &ByNayar, errors: Option<&NayarErrors>) {
-    let changes: Vec<[f64; 2]> =
-        found.report.steps.iter().skip(1).map(|s| [s.iteration as f64, s.change_deg]).collect();
+fn convergence(ui: &mut Ui, report: &ByShapeReport, errors: Option<&NayarErrors>) {
+    let changes: Vec<[f64; 2]> = report.steps.iter().skip(1).map(|s| [s.iteration as f64, s.change_deg]).collect();
     let errors: Vec<[f64; 2]> = errors
         .iter()
         .flat_map(|all| &all.iterations)
@@ -155,15 +173,13 @@ fn convergence(ui: &mut Ui, found: &ByNayar, errors: Option<&NayarErrors>) {
     plot.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &spoken));
 }
 
-fn pictures(ui: &mut Ui, session: &mut Session, document: &Document) {
+fn pictures(ui: &mut Ui, session: &mut Session, document: &Document, method: Method) {
+    let name = SurfaceName::After(method);
     let minus = |a: Shown, b: Shown| Shown::Difference(Box::new(a), Box::new(b));
-    let mut offered = vec![
-        Shown::Normals(When::Nayar),
-        Shown::Depth(When::Nayar),
-        minus(Shown::Depth(When::Nayar), Shown::Depth(When::After)),
-    ];
+    let mut offered =
+        vec![Shown::Normals(name), Shown::Depth(name), minus(Shown::Depth(name), Shown::Depth(SurfaceName::AFTER))];
     if let Some(light) = document.set.lights.first().map(|light| light.name.clone()) {
-        let direct = Shown::NayarDirect { light: light.clone() };
+        let direct = Shown::DirectBy { method, light: light.clone() };
         offered.extend([direct.clone(), minus(direct, Shown::Direct { light })]);
     }
     ui.horizontal_wrapped(|ui| {

@@ -9,7 +9,7 @@ use crate::set::CaptureSet;
 
 /// Values by the words of the capture file; lights whose values nothing tells are left out.
 #[derive(Clone, Debug, Serialize)]
-pub struct CalibrationWords {
+pub struct CalibrationRecord {
     /// By light, per colour.
     pub alpha: IndexMap<String, Vec<f64>>,
     /// Per colour; empty where nothing tells.
@@ -19,13 +19,13 @@ pub struct CalibrationWords {
     /// By light.
     pub direction: IndexMap<String, [f64; 3]>,
     /// The same shape with the ends of the 95 % intervals; typed values have none.
-    pub interval: IntervalWords,
+    pub interval: IntervalRecord,
     /// The same shape with where each value comes from.
-    pub source: SourceWords,
+    pub source: SourceRecord,
     /// By subject, or for balls in the object's scene by kind.
-    pub circle: IndexMap<String, CircleWords>,
+    pub circle: IndexMap<String, CircleRecord>,
     /// By quantity and light, pixels used and refused by reason.
-    pub pixels: IndexMap<String, PixelWords>,
+    pub pixels: IndexMap<String, PixelRecord>,
     /// What a person should know.
     pub warnings: Vec<String>,
     #[serde(skip)]
@@ -34,7 +34,7 @@ pub struct CalibrationWords {
 
 /// Ends of the 95 % intervals.
 #[derive(Clone, Debug, Serialize)]
-pub struct IntervalWords {
+pub struct IntervalRecord {
     /// By light, per colour.
     pub alpha: IndexMap<String, Vec<Option<[f64; 2]>>>,
     /// Per colour.
@@ -47,7 +47,7 @@ pub struct IntervalWords {
 
 /// Where each value comes from.
 #[derive(Clone, Debug, Serialize)]
-pub struct SourceWords {
+pub struct SourceRecord {
     /// By light, per colour.
     pub alpha: IndexMap<String, Vec<&'static str>>,
     /// Per colour.
@@ -60,7 +60,7 @@ pub struct SourceWords {
 
 /// A ball's outline in pixels.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct CircleWords {
+pub struct CircleRecord {
     /// Centre.
     pub centre: [f64; 2],
     /// Radius.
@@ -74,7 +74,7 @@ pub struct CircleWords {
 /// Pixels of a ball by what became of them.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs)]
-pub struct PixelWords {
+pub struct PixelRecord {
     pub used: usize,
     pub clipped: usize,
     pub dark: usize,
@@ -101,7 +101,7 @@ pub struct Row {
     pub refused: String,
 }
 
-impl CalibrationWords {
+impl CalibrationRecord {
     /// Of a set's calibration.
     pub fn of(set: &CaptureSet, calibrated: &Calibrated) -> Self {
         let lights = || set.lights.iter().map(|light| light.name.clone());
@@ -111,19 +111,19 @@ impl CalibrationWords {
         let direction =
             || lights().zip(&calibrated.direction).filter_map(|(light, known)| Some((light, known.as_ref()?)));
         let rows = rows(set, calibrated);
-        let pixels = rows.iter().filter_map(|(row, counts)| Some((row.quantity.clone(), PixelWords::of((*counts)?))));
+        let pixels = rows.iter().filter_map(|(row, counts)| Some((row.quantity.clone(), PixelRecord::of((*counts)?))));
         Self {
             alpha: alpha().map(|(light, known)| (light, known.iter().map(|known| known.value).collect())).collect(),
             beta: beta.iter().map(|known| known.value).collect(),
             intensity: intensity().map(|(light, known)| (light, known.value)).collect(),
             direction: direction().map(|(light, known)| (light, known.value)).collect(),
-            interval: IntervalWords {
+            interval: IntervalRecord {
                 alpha: alpha().map(|(l, known)| (l, known.iter().map(|known| known.interval).collect())).collect(),
                 beta: beta.iter().map(|known| known.interval).collect(),
                 intensity: intensity().map(|(light, known)| (light, known.interval)).collect(),
                 direction: direction().map(|(light, known)| (light, by_axis(known))).collect(),
             },
-            source: SourceWords {
+            source: SourceRecord {
                 alpha: alpha()
                     .map(|(l, known)| (l, known.iter().map(|known| known.source.words()).collect()))
                     .collect(),
@@ -144,7 +144,7 @@ impl CalibrationWords {
     }
 }
 
-impl PixelWords {
+impl PixelRecord {
     fn of(counts: PixelCounts) -> Self {
         let PixelCounts { used, clipped, dark, near_rim, near_terminator, highlight, outlier } = counts;
         Self { used, clipped, dark, near_rim, near_terminator, highlight, outlier }
@@ -156,11 +156,11 @@ fn by_axis(known: &Known<[f64; 3]>) -> Option<[[f64; 2]; 3]> {
     Some(std::array::from_fn(|axis| [low[axis], high[axis]]))
 }
 
-fn circles(calibrated: &Calibrated) -> IndexMap<String, CircleWords> {
+fn circles(calibrated: &Calibrated) -> IndexMap<String, CircleRecord> {
     let words = calibrated.circles.iter().map(|ball| {
         let own = ball.sphere.subject.sphere_kind() == Some(ball.sphere.kind);
         let name = if own { ball.sphere.subject.to_string() } else { format!("{} ball", ball.sphere.kind) };
-        let words = CircleWords {
+        let words = CircleRecord {
             centre: ball.sphere.circle.centre,
             radius: ball.sphere.circle.radius,
             sd: ball.found.as_ref().map(|found| found.sd_px),

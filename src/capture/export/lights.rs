@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::super::{Calibrated, Known, PipelineError};
 use super::{Files, OutputOptions, write_text};
 use crate::light_file::{LightFile, LightLine};
+use crate::pipeline::{Calibrated, Known, PipelineError};
 use crate::set::{CaptureSet, Light, Subject};
 
 /// Writes a light file for the reference colour, and for the others where they are asked for.

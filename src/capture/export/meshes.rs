@@ -3,43 +3,42 @@
 use firstbounce_core::mesh::decimate::{DecimateOptions, Decimated, decimate};
 use firstbounce_core::{Camera, Mesh, Plane};
 
-use super::super::solve::relative_albedo;
-use super::super::{PipelineError, Surfaced};
 use super::{Files, OutputOptions, write_bytes, write_text};
 use crate::image_file::{GreyBits, texture_png};
 use crate::mesh_file::{Embedded, Material, MeshContents, OutputFormat, Quality, write_mesh};
-use crate::report::{DecimationWords, ExportWords};
+use crate::pipeline::{PipelineError, Surface, relative_albedo};
+use crate::report::{DecimationRecord, ExportRecord};
 
 /// What the quality of a vertex is.
 const QUALITY: &str = "predicted noise of the normal in degrees, 0 where unknown";
 
 /// Writes the mesh of a surface, and what goes with it; `suffix` goes into the names, `origin` into what is said of them.
 pub(super) fn write_meshes(
-    surfaced: &Surfaced,
+    surface: &Surface,
     (suffix, origin): (&str, &str),
     camera: &Camera,
     options: &OutputOptions,
     files: &mut Files,
-    export: &mut ExportWords,
+    export: &mut ExportRecord,
     watch: &dyn firstbounce_core::Watch,
 ) -> Result<(), PipelineError> {
     if options.formats.is_empty() {
         return Ok(());
     }
     let decimated = match options.triangles {
-        Some(triangles) => Some(decimate(&surfaced.mesh, &DecimateOptions { triangles }, watch)?),
+        Some(triangles) => Some(decimate(&surface.mesh, &DecimateOptions { triangles }, watch)?),
         None => None,
     };
     if let Some(Decimated { report, mesh, .. }) = &decimated {
-        export.decimation.insert(format!("mesh{suffix}"), DecimationWords::of(report, mesh.unit));
+        export.decimation.insert(format!("mesh{suffix}"), DecimationRecord::of(report, mesh.unit));
     }
-    let mesh = decimated.as_ref().map_or(&surfaced.mesh, |decimated| &decimated.mesh);
+    let mesh = decimated.as_ref().map_or(&*surface.mesh, |decimated| &decimated.mesh);
     let pixels: Vec<_> = mesh.positions.iter().map(|position| camera.pixel_px(&position.cast())).collect();
 
-    let albedo = relative_albedo(&surfaced.shape.normals.albedo);
-    let texture = |bits| texture_png(&albedo, &surfaced.shape.depth.mask, bits);
+    let albedo = relative_albedo(&surface.shape.normals.albedo);
+    let texture = |bits| texture_png(&albedo, &surface.shape.depth.mask, bits);
     let uv = places(&pixels, camera.size);
-    let noise = values_at(&pixels, &surfaced.shape.normals.noise_deg);
+    let noise = values_at(&pixels, &surface.shape.normals.noise_deg);
     let library = format!("mesh{suffix}.mtl");
     for &format in &options.formats {
         let mut contents = MeshContents { axes: options.axes, ..MeshContents::of(mesh) };

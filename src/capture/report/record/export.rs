@@ -6,22 +6,21 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use crate::image_file::DepthScale;
-use crate::pipeline::OutputOptions;
 
 /// How the meshes and the depth were written.
 #[derive(Clone, Debug, Serialize)]
-pub struct ExportWords {
+pub struct ExportRecord {
     /// By extension.
-    pub meshes: IndexMap<&'static str, MeshFormatWords>,
+    pub meshes: IndexMap<&'static str, MeshFormatRecord>,
     /// By mesh, where triangles were taken away: "mesh", "mesh-raw".
-    pub decimation: IndexMap<String, DecimationWords>,
+    pub decimation: IndexMap<String, DecimationRecord>,
     /// By file, how the stored values of a depth PNG become depth.
     pub depth_png: IndexMap<String, DepthScale>,
 }
 
 /// The frame of a mesh file.
 #[derive(Clone, Debug, Serialize)]
-pub struct MeshFormatWords {
+pub struct MeshFormatRecord {
     /// Where its axes point.
     pub axes: &'static str,
     /// Of its coordinates.
@@ -30,7 +29,7 @@ pub struct MeshFormatWords {
 
 /// What decimation did to a mesh.
 #[derive(Clone, Debug, Serialize)]
-pub struct DecimationWords {
+pub struct DecimationRecord {
     /// Triangles before.
     pub triangles_before: usize,
     /// Triangles left.
@@ -43,26 +42,11 @@ pub struct DecimationWords {
     pub unit: &'static str,
 }
 
-impl ExportWords {
-    /// What the options say; what they cost comes as it is written. `unit` is the meshes', if there are any.
-    pub(crate) fn of(options: &OutputOptions, unit: Option<LengthUnit>) -> Self {
-        let words = |unit| {
-            options.formats.iter().map(move |format| {
-                let words = MeshFormatWords { axes: format.axes(options.axes).words(), unit: format.unit(unit) };
-                (format.extension(), words)
-            })
-        };
-        Self {
-            meshes: unit.into_iter().flat_map(words).collect(),
-            decimation: IndexMap::new(),
-            depth_png: IndexMap::new(),
-        }
-    }
-
+impl ExportRecord {
     /// A line for each mesh that was decimated.
     pub fn decimation_lines(&self) -> Vec<String> {
-        let line = |(name, words): (&String, &DecimationWords)| {
-            let DecimationWords { triangles_before, triangles, mean_distance, largest_distance, unit } = words;
+        let line = |(name, words): (&String, &DecimationRecord)| {
+            let DecimationRecord { triangles_before, triangles, mean_distance, largest_distance, unit } = words;
             if triangles == triangles_before {
                 return format!("{name}: all {triangles} triangles kept, for there are no more than that");
             }
@@ -75,7 +59,7 @@ impl ExportWords {
     }
 }
 
-impl DecimationWords {
+impl DecimationRecord {
     /// Of a mesh in `unit`.
     pub(crate) fn of(report: &DecimateReport, unit: LengthUnit) -> Self {
         Self {

@@ -8,22 +8,22 @@ use crate::set::CaptureSet;
 
 /// How far the bounces can be trusted, and why.
 #[derive(Clone, Debug, Serialize)]
-pub struct TrustWords {
+pub struct TrustRecord {
     /// "fine", "take care" or "do not trust".
     pub level: &'static str,
     /// Why it is not simply fine, the worst first.
-    pub reasons: Vec<ReasonWords>,
+    pub reasons: Vec<ReasonRecord>,
     /// What would be better.
     pub advice: Vec<String>,
     /// By light.
-    pub light: IndexMap<String, LightTrustWords>,
+    pub light: IndexMap<String, LightTrustRecord>,
     /// Absent where the lights do not tell normals.
-    pub normal: Option<NormalTrustWords>,
+    pub normal: Option<NormalTrustRecord>,
 }
 
 /// One reason.
 #[derive(Clone, Debug, Serialize)]
-pub struct ReasonWords {
+pub struct ReasonRecord {
     /// "take care" or "do not trust".
     pub level: &'static str,
     /// One sentence.
@@ -32,7 +32,7 @@ pub struct ReasonWords {
 
 /// Expected errors of one light's bounce 1, in percent of its mean.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct LightTrustWords {
+pub struct LightTrustRecord {
     /// Noise of a pixel.
     pub noise_percent: f64,
     /// The same once the noise of indirect light is averaged away.
@@ -47,7 +47,7 @@ pub struct LightTrustWords {
 
 /// Expected errors of normals in degrees.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct NormalTrustWords {
+pub struct NormalTrustRecord {
     /// By noise, from bounce 1 as it is separated.
     pub noise_deg: f64,
     /// By noise, once the noise of indirect light is averaged away.
@@ -56,7 +56,7 @@ pub struct NormalTrustWords {
     pub calibration_deg: f64,
 }
 
-impl TrustWords {
+impl TrustRecord {
     /// Of a set's verdict.
     pub fn of(set: &CaptureSet, trust: &Trust) -> Self {
         let colours: Vec<_> = set.colours.iter().map(|colour| colour.name.clone()).collect();
@@ -66,11 +66,11 @@ impl TrustWords {
         Self {
             level: trust.level.words(),
             reasons: reasons
-                .map(|(level, why)| ReasonWords { level: level.words(), words: why.words(&names) })
+                .map(|(level, why)| ReasonRecord { level: level.words(), words: why.words(&names) })
                 .collect(),
             advice: trust.advice.iter().map(|advice| advice.words(&names)).collect(),
-            light: lights.iter().cloned().zip(trust.lights.iter().map(LightTrustWords::of)).collect(),
-            normal: trust.normal.map(|normal| NormalTrustWords {
+            light: lights.iter().cloned().zip(trust.lights.iter().map(LightTrustRecord::of)).collect(),
+            normal: trust.normal.map(|normal| NormalTrustRecord {
                 noise_deg: normal.noise_deg,
                 quiet_noise_deg: normal.denoised_noise_deg,
                 calibration_deg: normal.calibration_deg,
@@ -84,7 +84,7 @@ impl TrustWords {
     }
 }
 
-impl LightTrustWords {
+impl LightTrustRecord {
     fn of(light: &LightTrust) -> Self {
         Self {
             noise_percent: light.noise_percent,

@@ -11,7 +11,7 @@ pub fn page(title: &str, style: &str, program: &str, body: &Markup) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) " - Firstbounce" }
-                style { (PreEscaped(include_str!("report.css"))) (PreEscaped(style)) }
+                style { (PreEscaped(include_str!("../report.css"))) (PreEscaped(style)) }
             }
             body {
                 h1 { (title) }

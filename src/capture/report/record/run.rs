@@ -1,43 +1,57 @@
 //! `report.json`: every number of a run, by the words of the capture file.
 
+use std::time::SystemTime;
+
 use firstbounce_core::separate::SeparateReport;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::{CalibrationWords, ExportWords, NayarWords, TrustWords, unit_word};
+use super::{
+    CalibrationRecord, ExportRecord, InputRecord, NayarRecord, OptionsRecord, TrustRecord, input_records, unit_word,
+};
 use crate::image_file::GreenAxis;
-use crate::pipeline::{Method, Solved, StageCost, Surfaced};
-use crate::set::CaptureSet;
+use crate::pipeline::{Solved, StageCost, Surface};
 
-/// Everything that a run tells.
+/// The form of [`Report`].
+pub const SCHEMA: usize = 1;
+
+/// Everything that a run reports.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
+    /// The form of this record: it grows by one when a field changes its meaning or goes.
+    pub schema: usize,
     /// The program and its version.
     pub program: String,
+    /// When the run ended, as RFC 3339 in UTC.
+    pub time: String,
+    /// How the set was solved.
+    pub options: OptionsRecord,
+    /// The files that the run was computed from, by the paths that capture.toml writes.
+    pub inputs: IndexMap<String, InputRecord>,
     /// What was photographed.
-    pub set: SetWords,
+    pub set: SetRecord,
     /// The rig, in the words that `calibrate --json` prints.
-    pub calibration: CalibrationWords,
-    /// "bounces" (by colours, Liao et al. 2011) or "nayar" (by simulation, Nayar et al. 1991).
+    pub calibration: CalibrationRecord,
+    /// The name of the method: "bounces" (by colours, Liao et al. 2011) or "nayar" (by simulation, Nayar et al. 1991).
     pub method: &'static str,
     /// The iterations of Nayar's method; absent for the other.
-    pub nayar: Option<NayarWords>,
+    pub nayar: Option<NayarRecord>,
     /// The order m.
     pub bounces: usize,
     /// By light.
-    pub separation: IndexMap<String, LightWords>,
+    pub separation: IndexMap<String, LightRecord>,
     /// How far the bounces can be trusted, and why.
-    pub trust: TrustWords,
+    pub trust: TrustRecord,
     /// The surface from bounce 1; absent where there is none.
-    pub shape: Option<ShapeWords>,
+    pub shape: Option<ShapeRecord>,
     /// The surface from the photos as they are.
-    pub before: Option<ShapeWords>,
+    pub before: Option<ShapeRecord>,
     /// Why there is no surface.
     pub no_shape: Option<String>,
     /// How to read the files.
     pub conventions: Conventions,
     /// How meshes and depth were written.
-    pub export: ExportWords,
+    pub export: ExportRecord,
     /// What was written, by path relative to the report.
     pub files: IndexMap<String, String>,
     /// What a person should know before trusting the numbers.
@@ -48,7 +62,7 @@ pub struct Report {
 
 /// What was photographed.
 #[derive(Clone, Debug, Serialize)]
-pub struct SetWords {
+pub struct SetRecord {
     /// Its name.
     pub name: String,
     /// The folder it was read from.
@@ -65,7 +79,7 @@ pub struct SetWords {
 
 /// The separation of one light.
 #[derive(Clone, Debug, Serialize)]
-pub struct LightWords {
+pub struct LightRecord {
     /// Noise of each bounce for unit noise on every photo.
     pub gain: Vec<f64>,
     /// Of the matrix beta^k.
@@ -90,7 +104,7 @@ pub struct LightWords {
 
 /// A surface.
 #[derive(Clone, Debug, Serialize)]
-pub struct ShapeWords {
+pub struct ShapeRecord {
     /// Pixels with a normal.
     pub solved_pixels: usize,
     /// Of those, with shadowed or misfitting lights left out.
@@ -106,14 +120,14 @@ pub struct ShapeWords {
     /// Mean predicted noise of the normals in degrees.
     pub mean_noise_deg: f64,
     /// The integration.
-    pub depth: DepthWords,
+    pub depth: DepthRecord,
     /// The triangles.
-    pub mesh: MeshWords,
+    pub mesh: MeshRecord,
 }
 
 /// The integration.
 #[derive(Clone, Debug, Serialize)]
-pub struct DepthWords {
+pub struct DepthRecord {
     /// Pixels with a depth.
     pub pixels: usize,
     /// Unconnected parts; the depth between them is not known.
@@ -132,7 +146,7 @@ pub struct DepthWords {
 
 /// The triangles.
 #[derive(Clone, Debug, Serialize)]
-pub struct MeshWords {
+pub struct MeshRecord {
     /// Vertices.
     pub vertices: usize,
     /// Triangles.
@@ -176,25 +190,31 @@ impl Conventions {
 impl Report {
     /// The report of a run; `files` are what it wrote, by the conventions that `green` and `export` tell.
     pub fn new(
-        set: &CaptureSet,
         solved: &Solved,
+        stages: Vec<StageCost>,
         green: GreenAxis,
-        export: ExportWords,
+        export: ExportRecord,
         files: IndexMap<String, String>,
     ) -> Self {
+        let (set, method) = (&*solved.set, solved.options.method);
+        let bounces = solved.separated.reports.first().map_or(0, |report| report.bounces);
         let size = solved.object.mask.size();
-        let shape = solved.after.as_ref().ok().map(ShapeWords::of);
+        let shape = solved.after.as_ref().ok().map(ShapeRecord::of);
         let names = set.lights.iter().map(|light| light.name.clone());
-        let trust = TrustWords::of(set, &solved.trust);
+        let trust = TrustRecord::of(set, &solved.trust);
         let of_photos = solved.object.warnings.iter().chain(&solved.calibrated.warnings).cloned();
         let solved_pixels = shape.as_ref().map_or(0, |shape| shape.solved_pixels);
-        let of_nayar = solved.nayar.iter().flat_map(|nayar| nayar.warnings(solved_pixels));
+        let of_method = solved.report.warnings(solved_pixels);
         // That one colour cannot tell bounces apart is no reproach to a method that simulates them.
-        let of_trust = trust.warnings().filter(|_| solved.nayar.is_none());
-        let warnings = of_photos.chain(of_nayar).chain(of_trust).collect();
+        let of_trust = trust.warnings().filter(|_| method.needs().all_colours);
+        let warnings = of_photos.chain(of_method).chain(of_trust).collect();
         Self {
+            schema: SCHEMA,
+            time: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+            options: OptionsRecord::of(&solved.options, bounces),
+            inputs: input_records(set),
             program: format!("Firstbounce {}", env!("CARGO_PKG_VERSION")),
-            set: SetWords {
+            set: SetRecord {
                 name: set.title(),
                 folder: set.folder.display().to_string(),
                 size: [size.0, size.1],
@@ -202,25 +222,25 @@ impl Report {
                 lights: names.clone().collect(),
                 colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
             },
-            calibration: CalibrationWords::of(set, &solved.calibrated),
-            method: if solved.nayar.is_some() { Method::Nayar } else { Method::Bounces }.name(),
-            nayar: solved.nayar.as_ref().map(NayarWords::of),
-            bounces: solved.separated.reports.first().map_or(0, |report| report.bounces),
-            separation: names.zip(solved.separated.reports.iter().map(LightWords::of)).collect(),
+            calibration: CalibrationRecord::of(set, &solved.calibrated),
+            method: method.name(),
+            nayar: solved.report.nayar().map(NayarRecord::of),
+            bounces,
+            separation: names.zip(solved.separated.reports.iter().map(LightRecord::of)).collect(),
             trust,
             conventions: Conventions::of(green, shape.as_ref().map_or("none", |shape| shape.mesh.unit)),
             shape,
-            before: solved.before.as_ref().map(ShapeWords::of),
+            before: solved.before.as_ref().map(ShapeRecord::of),
             no_shape: solved.after.as_ref().err().map(ToString::to_string),
             export,
             files,
             warnings,
-            stages: solved.stages.clone(),
+            stages,
         }
     }
 }
 
-impl LightWords {
+impl LightRecord {
     fn of(report: &SeparateReport) -> Self {
         let SeparateReport { gain, condition_number, mean, noise, residual_rms, residual_expected, .. } =
             report.clone();
@@ -239,9 +259,9 @@ impl LightWords {
     }
 }
 
-impl ShapeWords {
-    fn of(surfaced: &Surfaced) -> Self {
-        let (normals, depth) = (&surfaced.shape.report.normals, &surfaced.shape.depth.report);
+impl ShapeRecord {
+    fn of(surface: &Surface) -> Self {
+        let (normals, depth) = (&surface.shape.report.normals, &surface.shape.depth.report);
         let corner = |p: nalgebra::Point3<f32>| [p.x, p.y, p.z];
         Self {
             solved_pixels: normals.solved_pixels,
@@ -251,20 +271,20 @@ impl ShapeWords {
             condition_number: normals.condition_number,
             mean_albedo: normals.mean_albedo,
             mean_noise_deg: normals.mean_noise_deg,
-            depth: DepthWords {
+            depth: DepthRecord {
                 pixels: depth.pixels,
                 islands: depth.islands,
                 iterations: depth.iterations,
                 relative_residual: depth.relative_residual,
                 rms_slope_residual: depth.rms_slope_residual,
                 clamped_pixels: depth.clamped_pixels,
-                changes: surfaced.shape.report.depth_changes.clone(),
+                changes: surface.shape.report.depth_changes.clone(),
             },
-            mesh: MeshWords {
-                vertices: surfaced.mesh.positions.len(),
-                triangles: surfaced.mesh.triangles.len(),
-                unit: unit_word(surfaced.mesh.unit),
-                bounds: surfaced.mesh.bounds().map(|(low, high)| [corner(low), corner(high)]),
+            mesh: MeshRecord {
+                vertices: surface.mesh.positions.len(),
+                triangles: surface.mesh.triangles.len(),
+                unit: unit_word(surface.mesh.unit),
+                bounds: surface.mesh.bounds().map(|(low, high)| [corner(low), corner(high)]),
             },
         }
     }
