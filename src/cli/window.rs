@@ -19,9 +19,11 @@ pub fn open(_: Option<PathBuf>) -> anyhow::Result<()> {
 }
 
 /// Whether this build has a window, and a display to open it on.
+#[cfg(feature = "window")]
+pub use crate::app::has_display as can_open;
+
+/// Whether this build has a window: it does not.
+#[cfg(not(feature = "window"))]
 pub fn can_open() -> bool {
-    #[cfg(feature = "window")]
-    return crate::app::has_display();
-    #[cfg(not(feature = "window"))]
-    return false;
+    false
 }

@@ -53,7 +53,8 @@ fn the_page_describes_the_keys_of_a_report_and_no_other() {
     fs::write(set.join("capture.toml"), format!("{text}\n[calibration]\nbeta = [1.0, 0.97]\n")).unwrap();
     let export = ["solve", "tiny", "--json", "--triangles", "200", "--depth-png"];
     let nayar = ["--method", "nayar", "--grey-albedo", "0.4", "--patches", "100", "--iterations", "1"];
-    let reports = [&export[..], &[&export[..], &nayar[..]].concat()].map(|run| firstbounce(place.path(), run).json());
+    let by_nayar = [&export[..], &nayar[..]].concat();
+    let reports = [&export[..], &by_nayar[..]].map(|run| firstbounce(place.path(), run).json());
 
     let described = described("report.json");
     let mut used = BTreeSet::new();

@@ -1,16 +1,13 @@
 //! Bad pictures and bad disks get one line that names the file and says what to do.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
-mod pictures;
-
 use std::path::Path;
 
 use firstbounce_capture::image_file::{
     Content, ExrLayer, ImageError, ReadOptions, read_image, read_image_as, write_exr,
 };
 use firstbounce_core::Plane;
-use pictures::*;
+
+use crate::pictures::*;
 
 fn message(path: &Path) -> String {
     let text = read_image(path).unwrap_err().to_string();

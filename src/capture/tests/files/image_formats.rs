@@ -1,9 +1,5 @@
 //! What was put into a file comes out of it, to the last bit where the format allows.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
-mod pictures;
-
 use firstbounce_capture::image_file::{
     Content, ExrLayer, Format, GreenAxis, ImageError, ImageFile, ImageWarning, ReadOptions, grey16_png, layer_names,
     normals_png, preview_png, read_image, read_image_as, read_mask, write_exr,
@@ -11,8 +7,9 @@ use firstbounce_capture::image_file::{
 use firstbounce_capture::set::Channel;
 use firstbounce_core::Plane;
 use image::{DynamicImage, ImageFormat};
-use pictures::*;
 use tiff::encoder::Compression;
+
+use crate::pictures::*;
 
 const PIXELS: usize = (WIDTH * HEIGHT) as usize;
 

@@ -1,13 +1,12 @@
 //! Whatever the bytes: an image or an error, never a panic, and an error is one line that names the file.
 
-mod pictures;
-
 use std::path::Path;
 
 use firstbounce_capture::image_file::{ReadOptions, layer_names, read_image, read_image_as};
-use pictures::{Folder, one_of_each};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+
+use crate::pictures::{Folder, one_of_each};
 
 const MAGICS: [&[u8]; 8] = [
     b"\x89PNG\r\n\x1a\n",

@@ -1,8 +1,5 @@
 //! Small pictures in every format, made by other code than the readers under test.
 
-#![allow(dead_code, reason = "each test file uses a part")]
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use std::fs;
 use std::io::Cursor;
 

@@ -1,9 +1,5 @@
 //! Stored values become the light that they were made from.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
-mod pictures;
-
 use std::path::PathBuf;
 
 use firstbounce_capture::image_file::{
@@ -13,10 +9,11 @@ use firstbounce_capture::image_file::{
 use firstbounce_capture::set::{Channel, Encoding};
 use firstbounce_core::Plane;
 use firstbounce_core::image::photo::{CLIPPED, DARK};
-use pictures::{Folder, grey16_tiff};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use tiff::encoder::Compression;
+
+use crate::pictures::{Folder, grey16_tiff};
 
 /// A grey file of one row.
 fn grey(stored: &[f32], maximum: Option<f32>) -> ImageFile {

@@ -1,7 +1,5 @@
 //! What the captures table and the calibration show of the demo set, whose rig is known.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use std::path::Path;
 
 use firstbounce_capture::CaptureSet;

@@ -1,7 +1,5 @@
 //! Every mesh format, y up and z up, whole and decimated, textured and not, as other people's readers see it.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;

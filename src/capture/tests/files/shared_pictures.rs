@@ -1,7 +1,5 @@
 //! The pictures of the shared capture sets, where they are at hand.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use std::path::{Path, PathBuf};
 
 use firstbounce_capture::image_file::{
