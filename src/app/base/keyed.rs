@@ -45,6 +45,11 @@ impl<K: PartialEq, T> Keyed<K, T> {
         self.running.as_ref().map(|(_, task)| task.job())
     }
 
+    /// Whether work for `key` runs.
+    pub fn runs(&self, key: &K) -> bool {
+        self.running.as_ref().is_some_and(|(running, _)| running == key)
+    }
+
     /// The last outcome, and the key that it is of.
     pub fn last(&self) -> Option<(&K, &Result<Arc<T>, JobError>)> {
         self.last.as_ref().map(|(key, outcome)| (key, outcome))

@@ -136,7 +136,7 @@ impl Balls {
     }
 
     fn state_of(&self, session: &Session, subject: Subject, kind: SphereKind) -> String {
-        if self.finding.as_ref().is_some_and(|(s, k, _)| (*s, *k) == (subject, kind)) {
+        if self.finding.runs(&(subject, kind)) {
             return "looking for its edge ...".into();
         }
         if session.document().set.circle(subject, kind).is_some() {

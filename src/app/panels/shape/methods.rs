@@ -37,7 +37,7 @@ fn one(ui: &mut Ui, session: &mut Session, document: &Document, method: Method, 
         StageState::Failed { line } | StageState::Blocked { line } => {
             ui.colored_label(ui.visuals().error_fg_color, line);
         }
-        StageState::Running { .. } | StageState::Stale => advice(ui, format!("{} is at work.", upper_first(title))),
+        StageState::Running { .. } | StageState::Stale => advice(ui, &format!("{} is running.", upper_first(title))),
         StageState::Ready => {}
     }
     // What failed for this document says nothing of an older result.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::mesh_file::read::LengthScale;
-use firstbounce_capture::pipeline::{PipelineError, read_comparable, truth_mesh};
+use firstbounce_capture::pipeline::{ReferenceError, read_comparable, truth_mesh};
 use firstbounce_capture::set::{Projection, Truth};
 use firstbounce_core::Mesh;
 
@@ -180,7 +180,7 @@ impl LoadKey {
     }
 }
 
-fn load(key: &LoadKey, set: &CaptureSet) -> Result<Loaded, PipelineError> {
+fn load(key: &LoadKey, set: &CaptureSet) -> Result<Loaded, ReferenceError> {
     let (name, (mesh, warnings)) = match &key.source {
         ReferenceSource::Truth => ("the set's own truth".into(), (truth_mesh(set)?, Vec::new())),
         ReferenceSource::File(path) => {
