@@ -1,4 +1,4 @@
-//! What the window remembers between runs.
+//! The preferences: what the window remembers between runs.
 
 use std::fs;
 use std::path::{Path, PathBuf};

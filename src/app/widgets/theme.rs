@@ -1,4 +1,4 @@
-//! How the window looks: sizes of text, room around it, and the colours that carry a meaning, readable on dark and light.
+//! The theme: sizes of text, room around it, and the colours that carry a meaning, readable on dark and light.
 
 use eframe::egui::{Button, Color32, Context, FontId, RichText, Style, TextStyle, Theme, Visuals, vec2};
 

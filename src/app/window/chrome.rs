@@ -1,4 +1,4 @@
-//! What the window shows over and around panels and views: palette, help, questions, notices.
+//! The chrome of the window, over and around panels and views: palette, help, questions, notices.
 
 use eframe::egui::{Context, Id, Modal, Panel, Ui, ViewportCommand, Window};
 

@@ -1,4 +1,4 @@
-//! How long frames kept the UI thread: nothing may block it.
+//! Frame times: how long frames kept the UI thread: nothing may block it.
 
 use std::collections::VecDeque;
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! What the panel draws over a photo of a ball: its pixels, its circle with handles, its highlights.
+//! The overlay of a ball's photo: its pixels, its circle with handles, its highlights.
 
 use eframe::egui::{Color32, EventFilter, Key, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
 use firstbounce_capture::set::{Circle, SphereKind, Subject};

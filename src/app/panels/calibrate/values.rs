@@ -130,7 +130,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
     ui.horizontal_wrapped(|ui| {
         ui.label("direction").on_hover_text("To the light: x right, y up, z toward the camera; of any length");
         if old.is_none() {
-            ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
+            ui.label(RichText::new("unknown").color(ui.visuals().error_fg_color));
         }
         for (axis, number) in ["x", "y", "z"].into_iter().zip(&mut new) {
             field(ui, number, f64::NEG_INFINITY, &format!("{label}, {axis}"));
@@ -170,7 +170,7 @@ fn number(
     ui.horizontal_wrapped(|ui| {
         ui.label(shown).on_hover_text(meaning);
         if known.is_none() {
-            ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
+            ui.label(RichText::new("unknown").color(ui.visuals().error_fg_color));
         }
         if field(ui, &mut value, 1e-6, label) {
             change = Some(Change::Typed(value));

@@ -84,7 +84,7 @@ impl Incoming {
         });
         let unassigned = previews.len() - assigned;
         if unassigned > 0 {
-            let words = if unassigned == 1 { "does not say what it is" } else { "do not say what they are" };
+            let words = if unassigned == 1 { "is not recognised" } else { "are not recognised" };
             ui.label(format!("{} {words}: change the pattern, or assign them below.", count_of(unassigned)));
             part(ui, "in order", |ui| self.order(ui, &document.set, &previews));
         }

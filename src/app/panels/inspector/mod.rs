@@ -1,4 +1,4 @@
-//! What is under the cursor, in a region and along a line, in numbers.
+//! The inspector: numbers under the cursor, in a region and along a line.
 
 mod cursor;
 mod histogram;

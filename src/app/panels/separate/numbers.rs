@@ -32,7 +32,12 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
             &percent(calibration).map_or(NEGATIVE.into(), |percent| format!("{percent} of bounce 1")),
             "By the intervals of alpha and beta",
         );
-        row(ui, "Tail", &tail(trust), "Light of more than m bounces, by the mean light of the colours");
+        row(
+            ui,
+            "Truncation bias",
+            &truncation(trust),
+            "Light of more than m bounces, by the mean light of the colours",
+        );
         match &trust.normal {
             Some(normal) => {
                 let words =
@@ -51,15 +56,15 @@ pub fn lights(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
     CollapsingHeader::new("Each light").id_salt("each light").show(ui, |ui| each_light(ui, trust, set));
 }
 
-fn tail(trust: &Trust) -> String {
+fn truncation(trust: &Trust) -> String {
     let tails: Vec<_> = trust.lights.iter().filter_map(|light| light.truncation_percent).collect();
     let largest = tails.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()));
-    largest.map_or("unknown: one colour".into(), |tail| format!("{tail:+.1} % of bounce 1"))
+    largest.map_or("unknown: one colour".into(), |percent| format!("{percent:+.1} % of bounce 1"))
 }
 
 fn each_light(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
     Grid::new("each light").striped(true).show(ui, |ui| {
-        for heading in ["Light", "Gain", "Noise", "Calibration", "Tail", "Returned"] {
+        for heading in ["Light", "Gain", "Noise", "Calibration", "Truncation", "Returned"] {
             ui.label(RichText::new(heading).strong());
         }
         ui.end_row();

@@ -18,7 +18,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet, session: &mut Session) {
         let verdict = format!("{} {}", sign(trust.level), title(trust.level));
         ui.label(RichText::new(verdict).strong().size(17.0).color(colour));
         if trust.reasons.is_empty() {
-            ui.label("Noise, calibration and the tail all stay small.");
+            ui.label("Noise, calibration error and truncation bias are small.");
         }
         for (level, reason) in &trust.reasons {
             ui.horizontal_wrapped(|ui| {

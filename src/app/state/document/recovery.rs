@@ -1,4 +1,4 @@
-//! What survives a crash: the unsaved document, in a folder of this run that is locked while the run lives.
+//! Recovery after a crash: the unsaved document, in a folder of this run that is locked while the run lives.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};

@@ -272,7 +272,7 @@ impl Results {
         self.keys.take();
     }
 
-    /// Takes what is finished and starts what is stale. Once a frame; `log` is told of every stage that ended.
+    /// Takes what is finished and starts what is stale. Once a frame; `log` takes a line of every stage that failed or warns.
     pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(Level, String)) -> Next {
         self.take_finished(log);
         let keys = self.keys(document);

@@ -1,4 +1,4 @@
-//! Why a stage has no result.
+//! The error of a stage.
 
 use std::sync::Arc;
 
@@ -32,12 +32,12 @@ pub enum StageError {
         /// Why.
         reason: Box<StageError>,
     },
-    /// beta is not known.
-    #[error("beta is not known: photograph a ball of the object's paint in every colour, or type it in Calibrate")]
+    /// beta is unknown.
+    #[error("beta is unknown: photograph a ball of the object's paint in every colour, or type it in Calibrate")]
     NoBeta,
-    /// alpha of a light is not known.
+    /// alpha of a light is unknown.
     #[error(
-        "alpha of light \"{light}\" is not known: photograph a grey ball under it in every colour, or type it in Calibrate"
+        "alpha of light \"{light}\" is unknown: photograph a grey ball under it in every colour, or type it in Calibrate"
     )]
     NoAlpha {
         /// The light.

@@ -1,4 +1,4 @@
-//! What follows from the document at once, without waiting for a stage: alpha, beta and the bounce operator. A typed value
+//! Values that follow from the document at once, without waiting for a stage: alpha, beta and the bounce operator. A typed value
 //! is in force in the frame in which it is typed.
 
 use std::sync::Arc;
@@ -17,9 +17,9 @@ use crate::app::state::document::Document;
 pub struct Rig {
     /// Names of the lights.
     pub lights: Vec<String>,
-    /// By light, then colour; `None` where nothing tells.
+    /// By light, then colour; `None` where it is unknown.
     pub alpha: Vec<Option<Vec<f64>>>,
-    /// By colour; `None` where nothing tells.
+    /// By colour; `None` where it is unknown.
     pub beta: Option<Vec<f64>>,
     /// The order m.
     pub bounces: usize,

@@ -1,4 +1,4 @@
-//! What lies over the picture: the pixel grid and the numbers in the pixels.
+//! The canvas overlay: the pixel grid and the numbers in the pixels.
 
 use eframe::egui::{Align2, Color32, FontId, Painter, Stroke};
 

@@ -1,4 +1,4 @@
-//! What a click on a surface does: a point, a distance, a cut.
+//! The tools of a 3D view: point, distance, section.
 
 use std::sync::Arc;
 
