@@ -69,8 +69,12 @@ mod tests {
     #[test]
     fn a_dialog_offers_every_picture_that_is_read_in_small_and_capital_letters() {
         let offered = picture_endings();
+        let offers = |ending: &str| offered.iter().any(|offered| offered == ending);
+        for ending in Format::ALL.iter().flat_map(|format| format.extensions()) {
+            assert!(offers(ending) && offers(&ending.to_uppercase()), "{ending} in {offered:?}");
+        }
         for ending in ["hdr", "pic", "rgbe", "jpe", "JPG", "TIF"] {
-            assert!(offered.iter().any(|offered| offered == ending), "{ending} in {offered:?}");
+            assert!(offers(ending), "{ending} in {offered:?}");
         }
     }
 }
