@@ -8,7 +8,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::write_file;
 use firstbounce_capture::light_file::{CarriedLights, LightFile};
 use firstbounce_capture::pipeline::{Calibrated, Preference, Source, calibrate};
-use firstbounce_capture::report::{CalibrationWords, Row};
+use firstbounce_capture::report::{CalibrationRecord, Row};
 use firstbounce_capture::set::write_calibration;
 
 use super::progress::Terminal;
@@ -39,9 +39,9 @@ pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     terminal.finish();
     let mut calibrated = calibrated?;
     if let Some(carried) = &carried {
-        tell_source(&set, carried, &mut calibrated);
+        mark_source(&set, carried, &mut calibrated);
     }
-    let words = CalibrationWords::of(&set, &calibrated);
+    let words = CalibrationRecord::of(&set, &calibrated);
     if args.write {
         write(&set, &calibrated)?;
     }
@@ -54,8 +54,8 @@ fn take_lights(set: &mut CaptureSet, path: &Path) -> anyhow::Result<CarriedLight
     Ok(LightFile::read(path)?.put_into(set, path)?)
 }
 
-/// Tells the light file's directions from those that capture.toml gives.
-fn tell_source(set: &CaptureSet, carried: &CarriedLights, calibrated: &mut Calibrated) {
+/// Marks directions of the light file apart from those that capture.toml gives.
+fn mark_source(set: &CaptureSet, carried: &CarriedLights, calibrated: &mut Calibrated) {
     for (light, known) in set.lights.iter().zip(&mut calibrated.direction) {
         if let Some(known) = known.as_mut().filter(|_| carried.lights.contains(&light.name)) {
             known.source = Source::LightFile;
@@ -78,7 +78,7 @@ fn write(set: &CaptureSet, calibrated: &Calibrated) -> anyhow::Result<()> {
     Ok(write_file(&path, new.as_bytes())?)
 }
 
-fn text(words: &CalibrationWords) -> String {
+fn text(words: &CalibrationRecord) -> String {
     let mut rows = vec![row(["quantity", "value", "95 % interval", "source", "pixels used", "pixels refused"])];
     rows.extend(words.rows().iter().map(|Row { quantity, value, interval, source, used, refused }| {
         row([quantity, value, interval, source, used, refused])

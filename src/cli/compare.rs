@@ -54,7 +54,7 @@ fn ply_path(text: &str) -> Result<PathBuf, String> {
 
 /// The numbers of a comparison: A onto B.
 #[derive(Debug, Serialize)]
-struct CompareWords {
+struct CompareRecord {
     mean_mm: f64,
     bias_mm: f64,
     rms_mm: f64,
@@ -66,13 +66,13 @@ struct CompareWords {
     translation_mm: [f64; 3],
     /// Row by row, for column vectors.
     matrix: [[f64; 4]; 4],
-    alignment: Option<AlignmentWords>,
+    alignment: Option<AlignmentRecord>,
     warnings: Vec<String>,
 }
 
 /// How A was laid onto B.
 #[derive(Debug, Serialize)]
-struct AlignmentWords {
+struct AlignmentRecord {
     rms_mm: f64,
     overlap: f64,
     reach_mm: f64,
@@ -100,11 +100,11 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
     let written = heat_map.map_or(Ok(()), |heat_map| heat_map.write(&a, alignment.as_ref(), &comparison));
     warnings.extend(of_alignment);
     print_warnings(&warnings);
-    let words = CompareWords::of(&comparison, alignment.as_ref(), warnings);
+    let record = CompareRecord::of(&comparison, alignment.as_ref(), warnings);
     if args.print.json {
-        print_json(&words)?
+        print_json(&record)?
     } else {
-        print(&text(args, &words))?
+        print(&text(args, &record))?
     }
     written
 }
@@ -158,7 +158,7 @@ impl HeatMap {
     }
 }
 
-impl CompareWords {
+impl CompareRecord {
     fn of(comparison: &Comparison, alignment: Option<&Alignment>, warnings: Vec<String>) -> Self {
         let matrix = &comparison.matrix;
         Self {
@@ -172,13 +172,13 @@ impl CompareWords {
             rotation_deg: comparison.rotation_deg,
             translation_mm: comparison.translation_mm.into(),
             matrix: std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)])),
-            alignment: alignment.map(AlignmentWords::of),
+            alignment: alignment.map(AlignmentRecord::of),
             warnings,
         }
     }
 }
 
-impl AlignmentWords {
+impl AlignmentRecord {
     fn of(alignment: &Alignment) -> Self {
         Self {
             rms_mm: alignment.rms_mm,
@@ -193,22 +193,22 @@ impl AlignmentWords {
     }
 }
 
-fn text(args: &CompareArgs, words: &CompareWords) -> String {
+fn text(args: &CompareArgs, record: &CompareRecord) -> String {
     let mm = |name: &str, value: f64| row([name, &format!("{value:.4} mm")]);
-    let [x, y, z] = words.translation_mm;
+    let [x, y, z] = record.translation_mm;
     let mut rows = vec![
         row([&args.a.display().to_string(), &format!("onto {}", args.b.display())]),
-        mm("mean distance", words.mean_mm),
-        mm("mean signed distance", words.bias_mm),
-        mm("rms distance", words.rms_mm),
-        mm("95 % are closer than", words.p95_mm),
-        mm("largest distance", words.max_mm),
-        row(["overlap", &format!("{:.1} %", 100.0 * words.overlap)]),
-        row(["mean orientation error", &format!("{:.2} degrees", words.orientation_error_deg)]),
-        row(["rotation", &format!("{:.3} degrees", words.rotation_deg)]),
+        mm("mean distance", record.mean_mm),
+        mm("mean signed distance", record.bias_mm),
+        mm("rms distance", record.rms_mm),
+        mm("95 % are closer than", record.p95_mm),
+        mm("largest distance", record.max_mm),
+        row(["overlap", &format!("{:.1} %", 100.0 * record.overlap)]),
+        row(["mean orientation error", &format!("{:.2} degrees", record.orientation_error_deg)]),
+        row(["rotation", &format!("{:.3} degrees", record.rotation_deg)]),
         row(["translation", &format!("{x:.4}, {y:.4}, {z:.4} mm")]),
     ];
-    if let Some(alignment) = &words.alignment {
+    if let Some(alignment) = &record.alignment {
         let rms: Vec<_> = alignment.iterations.iter().map(|step| format!("{:.3}", step.rms_mm)).collect();
         rows.push(row(["rms of each iteration", &format!("{} mm", rms.join(" "))]));
     }

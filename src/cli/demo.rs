@@ -4,17 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::OutputFolder;
-use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
-use include_dir::{Dir, include_dir};
+use firstbounce_capture::export::OutputOptions;
+use firstbounce_capture::pipeline::SolveOptions;
 
 use super::solve::{OUTPUT_FOLDER, solve_into, summary};
-use crate::app::{self, Start};
-
-use super::{PrintArgs, print, print_json, print_warnings};
-
-/// The capture set that the program carries within itself.
-static DEMO: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/assets/demo");
+use super::{PrintArgs, print, print_json, print_warnings, window};
+use crate::demo::unpack;
 
 #[derive(Args, Debug)]
 pub struct DemoArgs {
@@ -32,26 +27,11 @@ pub struct DemoArgs {
 pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let folder = args.out.clone().unwrap_or_else(|| Path::new(OUTPUT_FOLDER).join("demo"));
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
-    let report = solve_into(&set, &folder, &SolveOptions::default(), &OutputOptions::default())?;
+    let report = solve_into(&set, &folder, &SolveOptions::of(&set.shape), &OutputOptions::default())?;
     print_warnings(&report.warnings);
     if args.print.json {
         return print_json(&report);
     }
     print(&summary(&report, &folder))?;
-    if args.no_window || !app::has_display() { Ok(()) } else { app::run(Start::Set(set.folder)) }
-}
-
-/// Puts the demo set into `folder`, where a person can look at it and change it: what is there already stays. Returns the
-/// folder.
-pub fn unpack(folder: &Path) -> anyhow::Result<&Path> {
-    let output = OutputFolder::stage(folder)?;
-    let mut pending = vec![&DEMO];
-    while let Some(dir) = pending.pop() {
-        for file in dir.files().filter(|file| !folder.join(file.path()).exists()) {
-            std::fs::write(output.file(file.path())?, file.contents())?;
-        }
-        pending.extend(dir.dirs());
-    }
-    output.commit()?;
-    Ok(folder)
+    if args.no_window || !window::can_open() { Ok(()) } else { window::open(Some(set.folder)) }
 }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{Angles, Evaluation, evaluate};
+use firstbounce_capture::pipeline::{Angles, Evaluation, Method, evaluate};
 
 use super::progress::Terminal;
 use super::solve::MethodArgs;
@@ -22,8 +22,9 @@ pub struct EvaluateArgs {
 /// Runs the command.
 pub fn run(args: &EvaluateArgs) -> anyhow::Result<()> {
     let set = CaptureSet::open(&args.set.path)?;
+    let options = args.solve.options(&set)?;
     let terminal = Terminal::attend();
-    let evaluation = evaluate(&set, &args.solve.options(), &terminal);
+    let evaluation = evaluate(&set, &options, &terminal);
     terminal.finish();
     let evaluation = evaluation?;
     print_warnings(&evaluation.warnings);
@@ -37,14 +38,15 @@ fn text(evaluation: &Evaluation) -> String {
     };
     let errors = &evaluation.normal_error_deg;
     let mut rows = vec![row(["normals from", "mean error, degrees", "median", "depth rmse, mm"])];
-    rows.push(angles("photos as they are", errors.raw, evaluation.depth_rmse_raw_mm));
+    rows.push(angles("photos before separation", errors.raw, evaluation.depth_rmse_raw_mm));
     let separated = format!("bounce 1 of {}", evaluation.bounces);
     rows.push(angles(&separated, errors.separated, evaluation.depth_rmse_mm));
-    if let Some(nayar) = &evaluation.nayar {
-        for (k, iteration) in nayar.iterations.iter().enumerate().skip(1) {
-            rows.push(angles(&format!("Nayar's method, iteration {k}"), iteration.error_deg, None));
-        }
-        rows.push(angles(&format!("Nayar's method, {}", nayar.ending), nayar.result, nayar.depth_rmse_mm));
+    for (name, of_method) in &evaluation.methods {
+        let title = Method::from_name(name).map_or(*name, Method::title);
+        let iterations = evaluation.nayar.iter().flat_map(|nayar| nayar.iterations.iter().enumerate().skip(1));
+        rows.extend(iterations.map(|(k, step)| angles(&format!("{title}, iteration {k}"), step.error_deg, None)));
+        let ending = evaluation.nayar.as_ref().map_or_else(String::new, |nayar| format!(", {}", nayar.ending));
+        rows.push(angles(&format!("{title}{ending}"), of_method.result, of_method.depth_rmse_mm));
     }
     if let Some(ideal) = errors.true_direct {
         rows.push(angles("true direct light", ideal, None));

@@ -106,15 +106,12 @@ fn missing_files(set: &CaptureSet) -> Vec<String> {
     named.filter(|file| !set.resolve(file).is_file()).map(str::to_owned).collect()
 }
 
-/// What stands between this set and a mesh.
+/// What this set needs before it gives a mesh.
 fn lacks(set: &CaptureSet) -> Vec<String> {
     let given = &set.calibration;
     let all = |known: &dyn Fn(&str) -> bool| set.lights.iter().all(|light| known(&light.name));
-    let has = |subject: Subject| {
-        set.shots_of(subject).next().is_some()
-            || subject.sphere_kind().is_some_and(|kind| set.circle(Subject::Object, kind).is_some())
-    };
-    let (grey, mirror) = (has(Subject::GreySphere), has(Subject::MirrorSphere));
+    let has = |kind: SphereKind| set.subject_with(kind).is_some();
+    let (grey, mirror) = (has(SphereKind::Grey), has(SphereKind::Mirror));
     let several = set.colours.len() > 1;
     let placed = |light: &str| {
         let position = set.light_index(light).and_then(|l| set.lights[l].position_mm);
@@ -124,7 +121,7 @@ fn lacks(set: &CaptureSet) -> Vec<String> {
         (set.lights.len() < 3, "a third light: normals need three, the bounces come out all the same"),
         (several && !grey && !all(&|l| given.alpha.contains_key(l)), "alpha: photograph a grey ball, or type it"),
         (
-            several && !has(Subject::MaterialSphere) && given.beta.is_none(),
+            several && !has(SphereKind::Material) && given.beta.is_none(),
             "beta: photograph a ball of the object's paint, or type it",
         ),
         (!grey && !mirror && !all(&placed), "directions: photograph a mirror or grey ball, or type them"),
@@ -179,7 +176,7 @@ fn text(info: &Info) -> String {
         info.name.clone(),
         format!("{} lights: {}", info.lights.len(), info.lights.join(", ")),
         format!("{} colours: {} (the first is the reference)", info.colours.len(), info.colours.join(", ")),
-        format!("{} bounces to tell apart", info.bounces),
+        format!("{} bounces to separate", info.bounces),
         table(&rows),
         String::new(),
         table(&shot_rows(&info.shots)),

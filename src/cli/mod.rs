@@ -17,14 +17,11 @@ mod simulate;
 mod solve;
 mod table;
 mod unit;
+mod window;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-
-use crate::app::{self, Start};
-
-pub use demo::unpack as unpack_demo;
 
 /// Photometric stereo without the light between an object's own walls. Without a command the window opens.
 #[derive(Debug, Parser)]
@@ -47,13 +44,13 @@ pub enum Command {
     Evaluate(evaluate::EvaluateArgs),
     /// Measure how far one mesh is from another, or from the truth of a rendered set
     Compare(compare::CompareArgs),
-    /// Say what a capture set holds, and what it lacks
+    /// Show what a capture set holds, and what it lacks
     Info(info::InfoArgs),
     /// Photograph a scene whose truth is known, and write the capture set
     Simulate(Box<simulate::SimulateArgs>),
-    /// Foretell the errors of a rig against frames and albedos
+    /// Predict the errors of a rig against frames and albedos
     Plan(Box<plan::PlanArgs>),
-    /// Do the paper's synthetic experiments again
+    /// Reproduce the paper's synthetic experiments
     Paper(paper::PaperArgs),
     /// Solve the set that comes with the program
     Demo(demo::DemoArgs),
@@ -82,7 +79,7 @@ pub fn parse() -> Option<Command> {
 
 /// Runs a command; without one the window opens.
 pub fn run(command: Option<Command>) -> anyhow::Result<()> {
-    let Some(command) = command else { return app::run(Start::Nothing) };
+    let Some(command) = command else { return window::open(None) };
     match command {
         Command::Open(args) => open::run(args),
         Command::Solve(args) => solve::run(&args),

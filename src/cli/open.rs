@@ -2,8 +2,7 @@
 
 use clap::Args;
 
-use super::SetArgs;
-use crate::app::{self, Start};
+use super::{SetArgs, window};
 
 #[derive(Args, Debug)]
 pub struct OpenArgs {
@@ -13,5 +12,5 @@ pub struct OpenArgs {
 
 /// Runs the command.
 pub fn run(args: OpenArgs) -> anyhow::Result<()> {
-    app::run(Start::Set(args.set.path))
+    window::open(Some(args.set.path))
 }

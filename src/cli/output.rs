@@ -1,9 +1,9 @@
-//! What to write: the flags of `solve` that the Export step of the window has too.
+//! Output options: the flags of `solve` that the Export step of the window has too.
 
 use clap::{Args, ValueEnum};
+use firstbounce_capture::export::OutputOptions;
 use firstbounce_capture::image_file::{GreenAxis, GreyBits};
 use firstbounce_capture::mesh_file::{Axes, OutputFormat};
-use firstbounce_capture::pipeline::OutputOptions;
 
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Output")]

@@ -88,7 +88,7 @@ fn text(plan: &Plan, scene: &str) -> String {
     };
     let mut lines = vec![
         format!(
-            "{scene}, {} bounces separated; normals from the photos as they are: {:.2} degrees off",
+            "{scene}, {} bounces separated; normals before separation: {:.2} degrees off",
             plan.bounces, plan.raw_deg
         ),
         String::new(),

@@ -1,4 +1,4 @@
-//! What a simulated set is made of, as the commands `simulate` and `plan` take it.
+//! Options of a simulated scene, shared by `simulate` and `plan`.
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ pub struct SceneArgs {
     /// giving it again
     #[arg(long, value_name = "LAMPS", value_delimiter = ';', default_value = "ring:3:20")]
     lights: Vec<LampPlaces>,
-    /// Strength of each lamp in the reference colour [default: 1, 1.05, 0.95, again and again]
+    /// Strength of each lamp in the reference colour [default: 1, 1.05, 0.95, repeated]
     #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
     intensities: Vec<f64>,
     /// Intensity of each colour over the reference colour's, for all lamps, or for each lamp by ; [default: what makes up
@@ -49,7 +49,7 @@ pub struct SceneArgs {
     /// About how many patches exchange light
     #[arg(long, value_name = "COUNT", default_value_t = SimulateOptions::default().patches)]
     patches: usize,
-    /// Memory for form factors; beyond it they are computed anew for every bounce
+    /// Memory for form factors; beyond it they are computed again for every bounce
     #[arg(long, value_name = "MIB", default_value_t = SimulateOptions::default().memory_limit_bytes >> 20)]
     memory: u64,
     /// A pinhole camera this far from the object instead of parallel rays
@@ -147,7 +147,7 @@ impl SceneArgs {
         for (given, option) in [(self.size.is_some(), "--size"), (self.angle.is_some(), "--angle")] {
             if given {
                 bail!(
-                    "{option} is for the built-in shapes; a mesh file has its own measures, in the unit that --unit tells"
+                    "{option} is for the built-in shapes; a mesh file has its own measures, in the unit that --unit gives"
                 );
             }
         }

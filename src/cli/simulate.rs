@@ -28,7 +28,7 @@ pub struct SimulateArgs {
     /// Samples along each side of a pixel
     #[arg(long, value_name = "COUNT", default_value_t = SimulateOptions::default().samples_per_pixel_side)]
     samples: usize,
-    /// How many bounces the truth tells apart
+    /// Number of bounces in the truth
     #[arg(long, value_name = "COUNT", default_value_t = SimulateOptions::default().truth_bounces)]
     bounces: usize,
     /// Photos of one seed have the same noise
@@ -52,7 +52,7 @@ pub struct SimulateArgs {
 
 /// What was simulated, for programs.
 #[derive(Debug, Serialize)]
-struct SimulateWords<'a> {
+struct SimulateRecord<'a> {
     set: &'a Path,
     scene: &'a str,
     patches: usize,
@@ -90,14 +90,14 @@ pub fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     warnings.extend(simulated.report.warnings.iter().cloned());
     print_warnings(&warnings);
     if args.print.json {
-        print_json(&words(&simulated.report, &args.out, &warnings))
+        print_json(&record(&simulated.report, &args.out, &warnings))
     } else {
         print(&text(&simulated, &args.out))
     }
 }
 
-fn words<'a>(report: &'a SimulateReport, set: &'a Path, warnings: &'a [String]) -> SimulateWords<'a> {
-    SimulateWords {
+fn record<'a>(report: &'a SimulateReport, set: &'a Path, warnings: &'a [String]) -> SimulateRecord<'a> {
+    SimulateRecord {
         set,
         scene: &report.scene,
         patches: report.factors.patches,

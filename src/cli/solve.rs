@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
-use firstbounce_capture::pipeline::{AlbedoScale, Method, OutputOptions, SolveOptions, solve, write_solved};
-use firstbounce_capture::report::{NayarWords, Report};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use firstbounce_capture::export::{OutputOptions, write_solved};
+use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, solve};
+use firstbounce_capture::report::{NayarRecord, Report};
 use firstbounce_capture::{CaptureSet, OutputFolder};
-use firstbounce_core::denoise::DenoiseOptions;
 use firstbounce_core::methods::by_shape::ByShapeOptions;
 
 use super::output::OutputArgs;
@@ -14,7 +15,7 @@ use super::progress::Terminal;
 use super::table::{row, table};
 use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
 
-/// Folder for results whose place nobody names.
+/// Folder for results that are given none.
 pub const OUTPUT_FOLDER: &str = "out";
 
 #[derive(Args, Debug)]
@@ -35,15 +36,30 @@ pub struct SolveArgs {
 /// How to get from photos to normals.
 #[derive(Args, Debug)]
 pub struct MethodArgs {
-    /// How many bounces to tell apart [default: the set's own]
+    /// How many bounces to separate [default: the set's own]
     #[arg(long, value_name = "M")]
     bounces: Option<usize>,
     /// Half width of the window in which the noise of indirect light is averaged before normals are found; 0 for none
-    #[arg(long, value_name = "PIXELS", default_value_t = DenoiseOptions::default().radius_px)]
-    indirect_window: usize,
+    /// [default: the set's, or 3]
+    #[arg(long, value_name = "PIXELS")]
+    indirect_window: Option<usize>,
+    /// A light that normals are found without; may be given more than once [default: the set's]
+    #[arg(long, value_name = "LIGHT")]
+    leave_out: Vec<String>,
+    /// A light is in shadow at a pixel where it is weaker than this share of the brightest light, 0 to 1
+    /// [default: the set's, or 0.08]
+    #[arg(long, value_name = "SHARE")]
+    shadow_share: Option<f64>,
+    /// With five or more lights, one that misses the fit by more than this share of the brightest is left out, 0 to 1
+    /// [default: the set's, or 0.15]
+    #[arg(long, value_name = "SHARE")]
+    misfit_share: Option<f64>,
+    /// Iterations that find how near near lamps are [default: the set's, or 3]
+    #[arg(long, value_name = "N")]
+    rounds: Option<usize>,
     /// How to take the light apart
-    #[arg(long, value_enum, default_value_t = MethodName::Bounces)]
-    method: MethodName,
+    #[arg(long, value_parser = methods(), default_value_t)]
+    method: Method,
     /// With --method nayar: albedo of the grey ball, 0 to 1, which makes the paint's albedo absolute [default: the set's]
     #[arg(long, value_name = "ALBEDO")]
     grey_albedo: Option<f64>,
@@ -55,46 +71,50 @@ pub struct MethodArgs {
     iterations: usize,
 }
 
-/// A method by its name.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum MethodName {
-    /// Photos in several colours tell the bounces apart (Liao, Huang and Yang 2011)
-    Bounces,
-    /// Photos in one colour; the bounces are simulated on the shape, over and over (Nayar, Ikeuchi and Kanade 1991)
-    Nayar,
+/// The methods by their names.
+fn methods() -> impl TypedValueParser<Value = Method> {
+    let named = |method: Method| PossibleValue::new(method.name()).help(method.purpose());
+    PossibleValuesParser::new(Method::ALL.map(named)).map(|name| Method::from_name(&name).unwrap_or_default())
 }
 
 impl MethodArgs {
-    /// Refuses an order where bounces are not told apart.
-    fn check(&self) -> anyhow::Result<()> {
-        match (self.method, self.bounces) {
-            (MethodName::Nayar, Some(_)) => {
-                anyhow::bail!("--bounces is for --method bounces; Nayar's method takes all of them away, leave it out")
-            }
-            _ => Ok(()),
+    /// What is asked for of a set, as the pipeline takes it: what is given here goes before what the set's file says.
+    pub fn options(&self, set: &CaptureSet) -> anyhow::Result<SolveOptions> {
+        self.check()?;
+        let mut asked = set.clone();
+        let shape = &mut asked.shape;
+        shape.shadow_share = self.shadow_share.unwrap_or(shape.shadow_share);
+        shape.misfit_share = self.misfit_share.unwrap_or(shape.misfit_share);
+        shape.rounds = self.rounds.unwrap_or(shape.rounds);
+        shape.indirect_window_px = self.indirect_window.unwrap_or(shape.indirect_window_px);
+        if !self.leave_out.is_empty() {
+            shape.leave_out.clone_from(&self.leave_out);
         }
-    }
-
-    /// As the pipeline takes them.
-    pub fn options(&self) -> SolveOptions {
-        let denoise = DenoiseOptions { radius_px: self.indirect_window, ..DenoiseOptions::default() };
-        let method = match self.method {
-            MethodName::Bounces => Method::Bounces,
-            MethodName::Nayar => Method::Nayar,
-        };
+        if let Some(problem) = asked.check().into_iter().next() {
+            anyhow::bail!("{problem}");
+        }
         let nayar =
             ByShapeOptions { patches: self.patches, max_iterations: self.iterations, ..ByShapeOptions::default() };
         let scale = AlbedoScale { grey_albedo: self.grey_albedo, ..AlbedoScale::default() };
-        SolveOptions { bounces: self.bounces, denoise, method, nayar, scale, ..SolveOptions::default() }
+        Ok(SolveOptions { bounces: self.bounces, method: self.method, nayar, scale, ..SolveOptions::of(&asked.shape) })
+    }
+
+    /// Refuses an order where bounces are not told apart.
+    fn check(&self) -> anyhow::Result<()> {
+        if self.bounces.is_some() && !self.method.needs().all_colours {
+            let (default, title) = (Method::default(), self.method.title());
+            anyhow::bail!("--bounces is for --method {default}; {title} takes all of them away, leave it out");
+        }
+        Ok(())
     }
 }
 
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
-    args.method.check()?;
     let set = CaptureSet::open(&args.set.path)?;
+    let options = args.method.options(&set)?;
     let folder = args.out.clone().unwrap_or_else(|| default_folder(&set));
-    let report = solve_into(&set, &folder, &args.method.options(), &args.output.options())?;
+    let report = solve_into(&set, &folder, &options, &args.output.options())?;
     print_warnings(&report.warnings);
     if args.print.json {
         print_json(&report)?
@@ -119,7 +139,7 @@ pub fn solve_into(
     let output = OutputFolder::stage(folder)?;
     let terminal = Terminal::attend();
     let solved = solve(set, options, &terminal);
-    let report = solved.and_then(|mut solved| write_solved(set, &mut solved, output, output_options, &terminal));
+    let report = solved.and_then(|solved| write_solved(set, &solved, output, output_options, &terminal));
     terminal.finish();
     Ok(report?)
 }
@@ -130,11 +150,14 @@ fn default_folder(set: &CaptureSet) -> PathBuf {
     Path::new(OUTPUT_FOLDER).join(name)
 }
 
-/// What a person wants to know when it is done.
+/// The summary of a finished run, for the user.
 pub fn summary(report: &Report, folder: &Path) -> String {
-    let mut lines = match &report.nayar {
-        Some(nayar) => nayar_lines(report, nayar),
-        None => separation_lines(report),
+    let mut lines = match (&report.nayar, report.method) {
+        (Some(nayar), _) => nayar_lines(report, nayar),
+        (None, method) if method == Method::default().name() => separation_lines(report),
+        (None, method) => {
+            vec![format!("{}: --method {method}, {} object pixels", report.set.name, report.set.mask_pixels)]
+        }
     };
     if let Some(shape) = &report.shape {
         lines.push(format!(
@@ -152,7 +175,7 @@ pub fn summary(report: &Report, folder: &Path) -> String {
     lines.join("\n")
 }
 
-fn nayar_lines(report: &Report, nayar: &NayarWords) -> Vec<String> {
+fn nayar_lines(report: &Report, nayar: &NayarRecord) -> Vec<String> {
     let mut rows = vec![row(["iteration", "normals turned, degrees", "mean albedo", "indirect, %", "unexplained, %"])];
     for (iteration, step) in nayar.iterations.iter().enumerate() {
         let (name, change, indirect) = match iteration {

@@ -43,6 +43,8 @@ pub mod interval;
 pub mod length;
 pub mod light;
 pub mod mesh;
+#[doc = include_str!("METHOD.md")]
+pub mod method {}
 pub mod methods;
 pub mod options;
 pub mod separate;

@@ -32,7 +32,7 @@ pub struct CanvasGpu {
     device: wgpu::Device,
     shader: CanvasShader,
     colour_maps: wgpu::TextureView,
-    /// Stand in for the planes and marks that a drawing does not use.
+    /// Placeholders for the planes and marks that a drawing does not use.
     no_plane: wgpu::TextureView,
     no_marks: wgpu::TextureView,
     textures: Textures,

@@ -9,7 +9,7 @@ const CLIP_STRIPE: [f32; 3] = [0.898, 0.224, 0.208];
 /// Stripes over values below zero.
 const NEGATIVE_STRIPE: [f32; 3] = [0.118, 0.533, 0.898];
 
-/// The colour of the whole pixel `(x, y)`, sRGB bytes and alpha; the pixel stands at the same place of the screen. The background,
+/// The colour of the whole pixel `(x, y)`, sRGB bytes and alpha; the pixel lies at the same place of the screen. The background,
 /// 0 to 1 in gamma space, outside the picture.
 pub fn shade(source: &Source, display: &Display, pixel: (usize, usize), background: [f32; 3]) -> [u8; 4] {
     let placement = Placement { origin_px: [0.0, 0.0], scale: 1.0 };

@@ -1,4 +1,4 @@
-//! How far two pictures are apart, in numbers.
+//! Differences of two pictures, in numbers.
 
 use firstbounce_core::Mask;
 use rayon::prelude::*;

@@ -1,11 +1,11 @@
-//! How numbers become colours.
+//! Display of numbers as colours.
 
 use std::sync::LazyLock;
 
 use firstbounce_core::image::photo::{CLIPPED, DARK};
 use serde::{Deserialize, Serialize};
 
-/// Which colour stands for which value.
+/// The colour of each value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum ColourMap {
     /// Black to white, encoded for the screen.

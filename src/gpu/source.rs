@@ -20,7 +20,7 @@ pub struct PlaneKey {
 }
 
 impl PlaneKey {
-    /// A key that nobody else has.
+    /// A unique key.
     pub fn fresh() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self { id: NEXT.fetch_add(1, Ordering::Relaxed), version: 0 }
@@ -35,7 +35,7 @@ impl PlaneKey {
 /// A plane that can be shown.
 #[derive(Clone, Debug)]
 pub struct CanvasPlane {
-    /// Tells whether the card already has these numbers.
+    /// Whether the card already has these numbers.
     pub key: PlaneKey,
     /// The numbers.
     pub plane: Arc<Plane>,
@@ -51,7 +51,7 @@ impl CanvasPlane {
 /// A byte for each pixel: bits that say why it must not be used, or whether it is inside a mask.
 #[derive(Clone, Debug)]
 pub struct CanvasMarks {
-    /// Tells whether the card already has these bytes.
+    /// Whether the card already has these bytes.
     pub key: PlaneKey,
     pub(super) marks: Marks,
 }

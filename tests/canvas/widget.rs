@@ -10,7 +10,7 @@ use eframe::egui::{
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::wgpu::WgpuTestRenderer;
 use egui_kittest::{Harness, HarnessBuilder};
-use firstbounce::app::canvas::{Canvas, CanvasState, Compare, Drag, PrimaryDrag, Transform, View};
+use firstbounce::app::views::canvas::{Canvas, CanvasState, Compare, Drag, PrimaryDrag, Transform, View};
 use firstbounce::gpu::{self, CanvasGpu, CanvasPlane, ColourMap, Display, Drawing, Output, Source, Twin};
 use firstbounce_core::Plane;
 

@@ -4,9 +4,12 @@
 
 mod bad_input;
 mod calibrate;
+mod compare;
 mod export;
+mod format_page;
 mod lab;
 mod nayar;
+mod no_window;
 mod run;
 mod shared_sets;
 mod solve;

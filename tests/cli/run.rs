@@ -1,4 +1,4 @@
-//! Runs the program as a person would.
+//! Runs the program as the user would.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -15,9 +15,24 @@ pub struct Ran {
 
 /// Runs `firstbounce` with these arguments in the folder `place`.
 pub fn firstbounce<I: AsRef<OsStr>>(place: &Path, arguments: impl IntoIterator<Item = I>) -> Ran {
-    let program = Path::new(env!("CARGO_BIN_EXE_firstbounce"));
-    let Output { status, stdout, stderr } =
-        Command::new(program).args(arguments).current_dir(place).output().expect("the program starts");
+    ran(program().args(arguments).current_dir(place))
+}
+
+/// Runs `firstbounce` with these arguments where there is no display.
+pub fn without_display(arguments: &[&str]) -> Ran {
+    let mut program = program();
+    for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        program.env_remove(variable);
+    }
+    ran(program.args(arguments))
+}
+
+fn program() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_firstbounce"))
+}
+
+fn ran(command: &mut Command) -> Ran {
+    let Output { status, stdout, stderr } = command.output().expect("the program starts");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program prints UTF-8");
     Ran { code: status.code().expect("the program ends by itself"), out: text(stdout), err: text(stderr) }
 }

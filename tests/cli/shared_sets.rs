@@ -1,20 +1,11 @@
 //! Rendered and real sets beside the project, where they are there.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use firstbounce_testing::shared_set;
 use serde_json::Value;
 
 use crate::run::firstbounce;
-
-/// The folder of a set; `None`, with a line that says so, where it is not there.
-fn shared(name: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if !folder.is_dir() {
-        eprintln!("skipped: no ../shared/data/{name}");
-        return None;
-    }
-    Some(folder)
-}
 
 fn json(arguments: &[&str], set: &Path) -> Value {
     let place = tempfile::tempdir().unwrap();
@@ -39,7 +30,7 @@ const NORMAL_ERRORS: [(&str, &str, f64, f64, f64); 5] = [
 #[test]
 fn normals_of_rendered_sets() {
     for (name, bounces, raw, separated, ideal) in NORMAL_ERRORS {
-        let Some(set) = shared(name) else { continue };
+        let Some(set) = shared_set(name) else { continue };
         let words = json(&["evaluate", "--bounces", bounces], &set);
         let found = ["raw", "separated", "true_direct"].map(|of| mean_deg(&words, of));
         println!("{name}, m = {bounces}: {found:.2?}");
@@ -53,7 +44,7 @@ fn normals_of_rendered_sets() {
 #[test]
 fn nayars_method_on_rendered_sets() {
     for name in ["corner-blue", "bowl-four"] {
-        let Some(set) = shared(name) else { continue };
+        let Some(set) = shared_set(name) else { continue };
         let words = json(&["evaluate", "--method", "nayar", "--iterations", "3", "--patches", "600"], &set);
         let iterations = words["nayar"]["iterations"].as_array().unwrap();
         let found: Vec<_> = iterations.iter().map(|of| of["error_deg"]["mean"].as_f64().unwrap()).collect();
@@ -69,7 +60,7 @@ const MESH_ERRORS: [(&str, &str, f64); 2] = [("corner-blue", "2", 0.7), ("birdba
 #[test]
 fn meshes_of_rendered_sets_lie_nearer_to_the_truth_after_than_before() {
     for (name, bounces, most_mm) in MESH_ERRORS {
-        let Some(set) = shared(name) else { continue };
+        let Some(set) = shared_set(name) else { continue };
         let place = tempfile::tempdir().unwrap();
         let solve = ["solve".as_ref(), set.as_os_str(), "--bounces".as_ref(), bounces.as_ref(), "--out".as_ref()];
         let ran = firstbounce(place.path(), solve.into_iter().chain(["out".as_ref()]));
@@ -92,7 +83,7 @@ fn meshes_of_rendered_sets_lie_nearer_to_the_truth_after_than_before() {
 fn calibration_of_rendered_sets() {
     let (mut inside, mut all) = (0, 0);
     for name in ["corner-blue", "groove-rgb", "bowl-four", "birdbath-dslr"] {
-        let Some(set) = shared(name) else { return };
+        let Some(set) = shared_set(name) else { return };
         let rig: Value = serde_json::from_str(&std::fs::read_to_string(set.join("truth/rig.json")).unwrap()).unwrap();
         let words = json(&["calibrate"], &set);
         let mut check = |found: &Value, truth: &Value, interval: &Value, tolerance: f64| {
@@ -134,7 +125,7 @@ fn angle_deg(a: &Value, b: &Value) -> f64 {
 
 #[test]
 fn the_real_cat() {
-    let Some(set) = shared("psbox-cat") else { return };
+    let Some(set) = shared_set("psbox-cat") else { return };
     let words = json(&["calibrate"], &set);
     let radius = words["circle"]["mirror-sphere"]["radius"].as_f64().unwrap();
     assert!((radius / 421.1 - 1.0).abs() < 0.01, "{radius}");

@@ -105,3 +105,51 @@ fn wrong_usage_exits_with_two() {
         assert_eq!(firstbounce(place.path(), arguments).code, 2);
     }
 }
+
+#[test]
+fn shape_settings_of_the_file_count_and_flags_go_before_them() {
+    let place = tempfile::tempdir().unwrap();
+    let set = tiny_set::write(place.path());
+    let file = set.join("capture.toml");
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(&file, format!("{text}\n[shape]\nshadow_share = 0.9\nindirect_window_px = 5\n")).unwrap();
+    let report = firstbounce(place.path(), ["solve", "tiny", "--json"]).json();
+    let shape = &report["options"]["shape"];
+    assert_eq!((shape["shadow_share"].as_f64(), shape["indirect_window_px"].as_u64()), (Some(0.9), Some(5)));
+    // With so high a threshold a light is in shadow almost everywhere.
+    let unsolved = |report: &Value| report["shape"]["shadow_used_pixels"].as_u64().unwrap();
+    let default = firstbounce(place.path(), ["solve", "tiny", "--shadow-share", "0.08", "--json"]).json();
+    assert_eq!(default["options"]["shape"]["shadow_share"].as_f64(), Some(0.08));
+    assert!(unsolved(&report) > unsolved(&default), "{} {}", unsolved(&report), unsolved(&default));
+
+    let line = firstbounce(place.path(), ["solve", "tiny", "--shadow-share", "1.5"]).failure().to_owned();
+    assert!(line.contains("[shape] shadow_share: expected a share from 0 and below 1, found 1.5"), "{line}");
+}
+
+#[test]
+fn a_light_that_is_left_out_is_named_and_a_misspelt_one_refused() {
+    let place = tempfile::tempdir().unwrap();
+    tiny_set::write(place.path());
+    let line = firstbounce(place.path(), ["solve", "tiny", "--leave-out", "rihgt"]).failure().to_owned();
+    assert!(line.contains("unknown light \"rihgt\"; did you mean \"right\"?"), "{line}");
+    // Two lights tell no normals; the bounces of all three are written all the same.
+    let ran = firstbounce(place.path(), ["solve", "tiny", "--leave-out", "right", "--json"]);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    assert!(ran.code != 0 && report["no_shape"].is_string());
+    assert_eq!(report["options"]["shape"]["leave_out"], serde_json::json!(["right"]));
+    assert!(report["separation"].as_object().unwrap().contains_key("right"));
+}
+
+#[test]
+fn the_report_names_its_form_its_time_and_the_content_of_every_input() {
+    let place = tempfile::tempdir().unwrap();
+    let set = tiny_set::write(place.path());
+    let report = firstbounce(place.path(), ["solve", "tiny", "--json"]).json();
+    assert_eq!(report["schema"], 1);
+    assert!(report["time"].as_str().unwrap().ends_with('Z'));
+    let inputs = report["inputs"].as_object().unwrap();
+    assert_eq!(inputs.len(), 1 + 3 * (3 * 2 + 1));
+    let file = &inputs["capture.toml"];
+    assert_eq!(file["bytes"].as_u64().unwrap(), fs::metadata(set.join("capture.toml")).unwrap().len());
+    assert!(inputs.values().all(|input| input["sha256"].as_str().unwrap().len() == 64));
+}

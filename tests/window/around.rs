@@ -5,12 +5,12 @@ use std::fs;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, Theme, ThemePreference};
 use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::commands::CommandId;
-use firstbounce::app::document::Recovered;
-use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::When;
-use firstbounce::app::session::Open;
-use firstbounce::app::views::Shown;
+use firstbounce::app::state::document::Recovered;
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::panel::PanelName;
+use firstbounce::app::state::results::SurfaceName;
+use firstbounce::app::state::session::Open;
+use firstbounce::app::window::commands::CommandId;
 use tempfile::TempDir;
 
 use crate::harness::Hands;
@@ -26,7 +26,7 @@ fn ended(hands: Hands) -> TempDir {
 fn colours_and_size_of_the_window_are_those_of_the_last_run() {
     let mut hands = Hands::with_demo();
     for command in [CommandId::ThemeLight, CommandId::ZoomIn, CommandId::ZoomIn] {
-        hands.session().request(command);
+        hands.run(command);
         hands.steps();
     }
     let next = Hands::with_folder(ended(hands));
@@ -121,7 +121,7 @@ fn a_set_dropped_is_opened_and_photos_dropped_on_it_are_added() {
     hands.drop_files(&[demo.join("object")]);
     assert_eq!(hands.session().panel, PanelName::Captures);
     assert!(hands.sees("6 files to add"));
-    hands.click_button("Leave these files out");
+    hands.click_button("Discard");
     assert!(!hands.sees("files to add"));
 }
 
@@ -139,21 +139,21 @@ fn another_set_dropped_asks_before_unsaved_edits_are_left() {
     let mut hands = Hands::with_demo();
     hands.session().edit("Choose one bounce", |document| document.set.separation.bounces = Some(1));
     let other = hands.folder.path().join("other");
-    firstbounce::cli::unpack_demo(&other).unwrap();
+    firstbounce::demo::unpack(&other).unwrap();
     hands.drop_files(std::slice::from_ref(&other));
     assert!(hands.sees("Save the changes to Blue corner?"));
-    hands.click_button("Stay");
+    hands.click_button("Cancel");
     assert_eq!(hands.session().document().set.bounces(), 1);
     hands.drop_files(std::slice::from_ref(&other));
-    hands.click_button("Do not save");
+    hands.click_button("Discard changes");
     assert_eq!(hands.session().document().set.folder, other);
 }
 
-/// The demo with its normals in view, compared with those of the photos as they are.
+/// The demo with its normals in view, compared with those before.
 fn comparing() -> Hands {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.session().views.show(Shown::Normals(When::After));
+    hands.session().views.show(Shown::Normals(SurfaceName::AFTER));
     hands.steps();
     hands.choose_picture("Compare", "Surface", "Normals before");
     hands
@@ -212,10 +212,10 @@ fn a_paste_of_rubbish_into_the_path_field_is_told() {
 fn a_set_that_is_edited_asks_before_the_demo_takes_its_place() {
     let mut hands = Hands::with_demo();
     hands.session().edit("Choose one bounce", |document| document.set.separation.bounces = Some(1));
-    hands.session().request(CommandId::OpenDemo);
+    hands.run(CommandId::OpenDemo);
     hands.steps();
     assert!(hands.sees("Save the changes to Blue corner?"));
-    hands.click_button("Stay");
+    hands.click_button("Cancel");
     let set = hands.folder.path().join("set");
     assert_eq!(hands.session().document().set.folder, set);
     hands.open(Open::Set(set));
@@ -225,7 +225,7 @@ fn a_set_that_is_edited_asks_before_the_demo_takes_its_place() {
 fn the_next_run_begins_with_the_set_and_the_views_of_the_last() {
     let mut hands = Hands::with_demo();
     hands.press(Modifiers::COMMAND, Key::Backslash);
-    hands.session().views.show(Shown::Depth(When::Before));
+    hands.session().views.show(Shown::Depth(SurfaceName::Before));
     hands.press(Modifiers::COMMAND, Key::S);
     let set = hands.session().document().set.folder.clone();
     let mut next = Hands::with_folder(ended(hands));
@@ -233,7 +233,7 @@ fn the_next_run_begins_with_the_set_and_the_views_of_the_last() {
     next.steps();
     assert_eq!(next.session().document().set.folder, set);
     let shown: Vec<_> = next.session().views.all().map(|view| view.shown.clone()).collect();
-    assert!(shown.len() == 2 && shown.contains(&Shown::Depth(When::Before)), "{shown:?}");
+    assert!(shown.len() == 2 && shown.contains(&Shown::Depth(SurfaceName::Before)), "{shown:?}");
 }
 
 #[test]
@@ -241,9 +241,9 @@ fn work_that_was_cancelled_says_so_and_is_taken_up_again_on_demand() {
     let mut hands = Hands::new();
     let set = hands.demo();
     hands.session().open(Open::Set(set));
-    hands.session().request(CommandId::CancelJobs);
+    hands.run(CommandId::CancelJobs);
     hands.harness.run_steps(1);
-    hands.wait_to_see("cancelled; \"Compute again what failed\" (F9) starts it anew");
+    hands.wait_to_see("cancelled; \"Retry\" (F9) starts it again");
     hands.press(Modifiers::NONE, Key::F9);
     hands.rest();
     assert!(hands.session().results.meshes().is_some());

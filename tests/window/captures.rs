@@ -30,7 +30,7 @@ fn a_folder_of_unnamed_files_is_assigned_by_hand() {
     let folder = folder(&hands, &["DSC0001.png", "DSC0002.png"]);
     hands.drop_files(std::slice::from_ref(&folder));
     assert!(hands.sees("2 files to add"));
-    assert!(hands.sees("2 files do not say what they are"));
+    assert!(hands.sees("2 files are not recognised"));
     for (file, colour) in [("DSC0001.png", "blue"), ("DSC0002.png", "green")] {
         hands.name_by_hand(&format!("Light of {file}"), "left");
         hands.name_by_hand(&format!("Colour of {file}"), colour);
@@ -108,7 +108,7 @@ fn a_file_that_is_gone_is_one_red_cell_that_says_why() {
     let mut hands = Hands::new();
     let set = hands.demo();
     fs::remove_file(set.join("grey-sphere/top-green.png")).unwrap();
-    hands.open(firstbounce::app::session::Open::Set(set));
+    hands.open(firstbounce::app::state::session::Open::Set(set));
     hands.rest();
     assert!(hands.harness.query_all_by_label_contains("top-green.png: cannot be read").count() >= 1);
     assert!(hands.session().results.loaded().unwrap().object.is_ok());
@@ -118,7 +118,7 @@ fn a_file_that_is_gone_is_one_red_cell_that_says_why() {
 fn a_light_takes_its_new_name_when_it_is_typed_to_its_end_and_never_that_of_another() {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.session().edit("Leave out a light", |document| document.settings.shape.left_out = vec!["left".into()]);
+    hands.session().edit("Leave out a light", |document| document.set.shape.leave_out = vec!["left".into()]);
     hands.harness.get_by_label("Names, lights and colours").click_accesskit();
     hands.steps();
     let lights = |hands: &mut Hands| {
@@ -133,6 +133,6 @@ fn a_light_takes_its_new_name_when_it_is_typed_to_its_end_and_never_that_of_anot
     hands.press(Modifiers::NONE, Key::Enter);
     assert_eq!(lights(&mut hands), ["topmost", "top", "right"]);
     let document = hands.session().document();
-    assert_eq!(document.settings.shape.left_out, ["topmost"]);
+    assert_eq!(document.set.shape.leave_out, ["topmost"]);
     assert!(document.set.check().is_empty());
 }

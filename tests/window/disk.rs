@@ -3,7 +3,7 @@
 use std::fs;
 
 use eframe::egui::{Key, Modifiers};
-use firstbounce::app::session::Open;
+use firstbounce::app::state::session::Open;
 
 use crate::harness::Hands;
 

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::panels::PanelName;
+use firstbounce::app::state::panel::PanelName;
 
 use crate::harness::Hands;
 
@@ -27,11 +27,11 @@ fn undo_and_redo_carry_the_name_of_the_edit() {
 fn the_edits_of_one_drag_are_undone_together_and_an_edit_that_changes_nothing_leaves_no_trace() {
     let mut hands = Hands::with_demo();
     for radius_px in [4, 5, 6] {
-        hands.session().edit("Change indirect window", |d| d.settings.shape.indirect_radius_px = radius_px);
+        hands.session().edit("Change indirect window", |d| d.set.shape.indirect_window_px = radius_px);
     }
     hands.session().edit("Nothing", |_| ());
     hands.press(Modifiers::COMMAND, Key::Z);
-    assert_eq!(hands.session().document().settings.shape.indirect_radius_px, 3);
+    assert_eq!(hands.session().document().set.shape.indirect_window_px, 3);
 }
 
 #[test]
@@ -62,10 +62,10 @@ fn the_shape_panel_leaves_no_fewer_than_three_lights_and_shows_before_and_after(
     hands.press(Modifiers::COMMAND, Key::Num4);
     assert_eq!(hands.session().panel, PanelName::Shape);
     assert!(hands.sees("Use left"));
-    assert!(hands.sees("The normals turned by"));
+    assert!(hands.sees("Mean change of the normals"));
     hands.harness.get_by_label("Use left").click();
     hands.steps();
-    assert!(hands.session().document().settings.shape.left_out.is_empty());
+    assert!(hands.session().document().set.shape.leave_out.is_empty());
     hands.click_button("Show normals after");
     assert!(hands.sees("Picture: Normals after"));
 }

@@ -7,8 +7,8 @@ use std::process::Command;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::panels::PanelName;
-use firstbounce::app::session::Open;
+use firstbounce::app::state::panel::PanelName;
+use firstbounce::app::state::session::Open;
 use firstbounce_capture::mesh_file::OutputFormat;
 use serde_json::Value;
 

@@ -8,11 +8,12 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{DroppedFile, Event, Key, Modifiers, Pos2, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, HarnessBuilder};
-use firstbounce::app::canvas::View;
-use firstbounce::app::dialogs::{Choose, Dialogs};
-use firstbounce::app::preferences::Folders;
-use firstbounce::app::session::{Open, Session};
+use firstbounce::app::base::dialogs::{Choose, Dialogs};
+use firstbounce::app::state::preferences::Folders;
+use firstbounce::app::state::session::{Open, Session};
+use firstbounce::app::views::canvas::View;
 use firstbounce::app::window::Window;
+use firstbounce::app::window::commands::CommandId;
 use tempfile::TempDir;
 
 /// Longer than any machine needs for the demo.
@@ -73,8 +74,14 @@ impl Hands {
     /// A copy of the demo set, for this test alone.
     pub fn demo(&self) -> PathBuf {
         let set = self.folder.path().join("set");
-        firstbounce::cli::unpack_demo(&set).expect("the demo is written");
+        firstbounce::demo::unpack(&set).expect("the demo is written");
         set
+    }
+
+    /// Runs a command, as its menu entry does.
+    pub fn run(&mut self, command: CommandId) {
+        let context = self.harness.ctx.clone();
+        self.harness.state_mut().run(command, &context);
     }
 
     pub fn open(&mut self, open: Open) {

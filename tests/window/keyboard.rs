@@ -3,10 +3,10 @@
 use eframe::egui::accesskit::{Action, Role};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::commands::{COMMANDS, Command, CommandId};
-use firstbounce::app::panels::PanelName;
-use firstbounce::app::preferences::Theme;
-use firstbounce::app::session::Open;
+use firstbounce::app::state::panel::PanelName;
+use firstbounce::app::state::preferences::Theme;
+use firstbounce::app::state::session::Open;
+use firstbounce::app::window::commands::{COMMANDS, Command, CommandId};
 
 use crate::harness::Hands;
 

@@ -2,10 +2,11 @@
 
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::{StageState, Step, When};
-use firstbounce::app::surface::LayerName;
-use firstbounce::app::views::{Shown, entries, picture};
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::panel::PanelName;
+use firstbounce::app::state::results::{StageState, Step, SurfaceName};
+use firstbounce::app::state::surfaces::LayerName;
+use firstbounce::app::views::{entries, picture};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Unattended, solve};
 use firstbounce_core::methods::by_shape::ByShapeOptions;
@@ -14,6 +15,8 @@ use crate::harness::Hands;
 
 const PATCHES: usize = 150;
 const ITERATIONS: usize = 2;
+const SURFACE: SurfaceName = SurfaceName::After(Method::Shape);
+const BY_NAYAR: LayerName = LayerName::Surface(SURFACE);
 const TICK: &str = "Also solve by Nayar's method";
 
 fn at_shape() -> Hands {
@@ -31,12 +34,12 @@ fn tick(hands: &mut Hands) {
 
 fn offered(hands: &mut Hands) -> bool {
     let document = hands.session().document();
-    entries(&document).iter().flat_map(|(_, entries)| entries).any(Shown::is_by_nayar)
+    entries(&document).iter().flat_map(|(_, entries)| entries).any(|shown| shown.by_method().is_some())
 }
 
 fn state(hands: &mut Hands) -> StageState {
     let document = hands.session().document();
-    hands.session().results.state(Step::Nayar, &document)
+    hands.session().results.state(Step::ByMethod(Method::Shape), &document)
 }
 
 #[test]
@@ -59,29 +62,46 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     // What the window shows is what the command line computes.
     let set = CaptureSet::open(hands.session().document().set.folder.clone()).unwrap();
     let options = SolveOptions {
-        method: Method::Nayar,
+        method: Method::Shape,
         nayar: ByShapeOptions { patches: PATCHES, max_iterations: ITERATIONS, ..ByShapeOptions::default() },
         scale: AlbedoScale { grey_albedo: Some(0.6), ..AlbedoScale::default() },
         ..SolveOptions::default()
     };
     let solved = solve(&set, &options, &Unattended).unwrap();
-    let found = hands.session().results.by_nayar().unwrap();
-    assert_eq!(found.report, solved.nayar.unwrap().report);
+    let found = hands.session().results.by_method(Method::Shape).unwrap();
+    assert_eq!(found.solved.report, solved.report);
+    let chosen = solved.report.nayar().unwrap().report.chosen;
     let surfaced = solved.after.unwrap();
-    assert_eq!(found.shape.normals.map, surfaced.shape.normals.map);
+    assert_eq!(found.surface.shape.normals.map, surfaced.shape.normals.map);
     let solved_mesh = surfaced.mesh;
 
     // Its pictures compare with those of bounce 1.
     hands.click_button("Show normals by Nayar's method");
     hands.click_button("Show direct light by Nayar's method, left minus Bounce 1 with less noise, left");
     let document = hands.session().document();
-    let by_both = Shown::Difference(Box::new(Shown::Albedo(When::Nayar)), Box::new(Shown::Albedo(When::After)));
+    let by_both = Shown::Difference(Box::new(Shown::Albedo(SURFACE)), Box::new(Shown::Albedo(SurfaceName::AFTER)));
     assert!(picture(&by_both, &document, &hands.session().results).is_ok());
 
     // Its surface is a layer of the 3D view.
     hands.session().views.show(Shown::Surface);
-    hands.wait_until("the surface by Nayar's method", |session| session.surfaces.layer(LayerName::Nayar).is_some());
-    assert_eq!(*hands.session().surfaces.layer(LayerName::Nayar).unwrap().source.mesh(), solved_mesh);
+    hands.wait_until("the surface by Nayar's method", |session| session.surfaces.layer(BY_NAYAR).is_some());
+    assert_eq!(*hands.session().surfaces.layer(BY_NAYAR).unwrap().source, *solved_mesh);
+
+    // It is exported like any other.
+    hands.session().panel = PanelName::Export;
+    hands.steps();
+    let out = hands.folder.path().join("by-nayar");
+    hands.retype("Folder for the results", &out.display().to_string());
+    hands.harness.get_by_role_and_label(Role::RadioButton, "Nayar's method").click_accesskit();
+    hands.steps();
+    hands.click_button("Write all results");
+    hands.wait_to_see("Written into");
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("report.json")).unwrap()).unwrap();
+    assert_eq!((&report["method"], &report["nayar"]["chosen"]), (&"nayar".into(), &chosen.into()));
+    assert!(out.join("mesh.obj").is_file() && out.join("bounce1-left.exr").is_file());
+    assert!(!out.join("bounce2-left.exr").exists(), "its bounces are not told apart");
+    hands.session().panel = PanelName::Shape;
+    hands.steps();
 
     // Untouched by it, and gone with it.
     hands.press(Modifiers::COMMAND, Key::Z);
@@ -89,7 +109,7 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     tick(&mut hands);
     assert!(!offered(&mut hands) && !hands.sees("Convergence of Nayar's method"));
     let document = hands.session().document();
-    let why = picture(&Shown::Normals(When::Nayar), &document, &hands.session().results).unwrap_err();
+    let why = picture(&Shown::Normals(SURFACE), &document, &hands.session().results).unwrap_err().to_string();
     assert!(why.contains(TICK), "{why}");
 }
 
@@ -97,7 +117,7 @@ fn nayars_method_is_asked_for_compared_and_undone() {
 fn the_truth_judges_both_methods_after_every_iteration() {
     let mut hands = at_shape();
     hands.session().edit("Ask for Nayar's method", |document| {
-        document.settings.nayar.compute = true;
+        document.settings.compare(Method::Shape, true);
         document.settings.nayar.patches = PATCHES;
         document.settings.nayar.max_iterations = ITERATIONS;
         document.set.calibration.grey_albedo = Some(0.6);

@@ -1,7 +1,8 @@
 //! The window's numbers are the pipeline's.
 
-use firstbounce::app::results::{StageState, Step};
-use firstbounce::app::views::{Shown, picture};
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::results::{StageState, Step};
+use firstbounce::app::views::picture;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{SolveOptions, Unattended, solve};
 
@@ -65,7 +66,7 @@ fn a_set_with_errors_opens_and_tells_each_where_it_is() {
         format!("{text}\n[[shot]]\nsubject = \"object\"\nlight = \"lfet\"\ncolour = \"blue\"\nfiles = [\"x.png\"]\n"),
     )
     .unwrap();
-    hands.open(firstbounce::app::session::Open::Set(set));
+    hands.open(firstbounce::app::state::session::Open::Set(set));
     assert!(hands.session().is_open());
     assert!(hands.session().problems().iter().any(|problem| problem.message.contains("did you mean \"left\"?")));
     hands.rest();
@@ -76,4 +77,19 @@ fn a_set_with_errors_opens_and_tells_each_where_it_is() {
     assert!(loaded.shots.iter().any(|shot| shot.photo.is_ok()));
     let document = session.document();
     assert!(matches!(session.results.state(Step::Separate, &document), StageState::Blocked { .. }));
+}
+
+#[test]
+fn renaming_a_light_decodes_no_photo_again() {
+    let mut hands = Hands::with_demo();
+    hands.rest();
+    let decoded = hands.session().results.decoded_files();
+    let files = hands.session().document().set.distinct_files().len();
+    assert_eq!(decoded, files);
+    let name = hands.session().document().set.lights[0].name.clone();
+    hands.session().edit("Rename light", |document| document.set.rename_light(0, "renamed"));
+    hands.rest();
+    let loaded = hands.session().results.loaded().unwrap();
+    assert!(loaded.shots.iter().all(|shot| shot.name.light.as_ref() != Some(&name)));
+    assert_eq!(hands.session().results.decoded_files(), files);
 }

@@ -5,8 +5,8 @@ use std::process::Command;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::{StageState, Step};
+use firstbounce::app::state::panel::PanelName;
+use firstbounce::app::state::results::{StageState, Step};
 use firstbounce_capture::set::{SphereKind, Subject};
 
 use crate::harness::Hands;
@@ -75,9 +75,9 @@ fn the_arrow_keys_nudge_the_circle_and_undo_puts_it_back() {
     hands.press(Modifiers::SHIFT, Key::ArrowLeft);
     let smaller = grey_circle(&mut hands).unwrap();
     assert!((before.radius - smaller.radius - 0.05).abs() < 1e-9, "{smaller:?}");
-    hands.session().request(firstbounce::app::commands::CommandId::Undo);
+    hands.run(firstbounce::app::window::commands::CommandId::Undo);
     hands.steps();
-    hands.session().request(firstbounce::app::commands::CommandId::Undo);
+    hands.run(firstbounce::app::window::commands::CommandId::Undo);
     hands.steps();
     assert_eq!(grey_circle(&mut hands), Some(before));
 }
@@ -107,7 +107,7 @@ fn a_typed_beta_wins_is_judged_at_once_and_goes_back_to_what_was_measured() {
 fn the_rig_of_another_set_is_taken_over_by_the_names_of_its_lights() {
     let mut hands = calibrating();
     let other = hands.folder.path().join("other");
-    firstbounce::cli::unpack_demo(&other).unwrap();
+    firstbounce::demo::unpack(&other).unwrap();
     hands.harness.get_by_label("Use the rig of another set").click_accesskit();
     hands.steps();
     hands.type_into("Set whose rig to use", &other.display().to_string());

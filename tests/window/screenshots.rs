@@ -4,11 +4,11 @@
 
 use std::path::Path;
 
-use firstbounce::app::panels::PanelName;
-use firstbounce::app::results::{ShotName, When};
-use firstbounce::app::session::Open;
-use firstbounce::app::surface::LayerName;
-use firstbounce::app::views::Shown;
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::panel::PanelName;
+use firstbounce::app::state::results::{ShotName, SurfaceName};
+use firstbounce::app::state::session::Open;
+use firstbounce::app::state::surfaces::LayerName;
 use firstbounce_capture::set::Subject;
 
 use crate::harness::Hands;
@@ -34,12 +34,12 @@ fn make_screenshots() {
     hands.type_number("Row", "150");
     save(&mut hands, "separate");
 
-    step(&mut hands, PanelName::Shape, Shown::Normals(When::After));
+    step(&mut hands, PanelName::Shape, Shown::Normals(SurfaceName::AFTER));
     save(&mut hands, "shape");
 
     step(&mut hands, PanelName::Shape, Shown::Surface);
     hands.wait_until("the surface in 3D", |session| {
-        session.surfaces.is_at_rest() && session.surfaces.layer(LayerName::After).is_some()
+        session.surfaces.is_at_rest() && session.surfaces.layer(LayerName::AFTER).is_some()
     });
     save(&mut hands, "surface");
 }

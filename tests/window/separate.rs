@@ -2,7 +2,7 @@
 
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::panels::PanelName;
+use firstbounce::app::state::panel::PanelName;
 
 use crate::harness::Hands;
 

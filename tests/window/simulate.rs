@@ -2,7 +2,7 @@
 
 use eframe::egui::Role;
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::commands::CommandId;
+use firstbounce::app::window::commands::CommandId;
 
 use crate::harness::Hands;
 
@@ -45,7 +45,7 @@ fn a_set_is_seen_planned_made_and_opened() {
 #[test]
 fn a_paint_that_cannot_be_is_told_and_a_colour_can_be_added() {
     let mut hands = Hands::with_demo();
-    hands.session().request(CommandId::NewSimulatedSet);
+    hands.run(CommandId::NewSimulatedSet);
     hands.steps();
     small(&mut hands);
     hands.type_number("Albedo in c2", "1.2");

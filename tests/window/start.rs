@@ -2,7 +2,7 @@
 
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use firstbounce::app::session::Open;
+use firstbounce::app::state::session::Open;
 
 use crate::harness::Hands;
 
@@ -66,7 +66,7 @@ fn the_palette_finds_a_command_by_a_few_letters() {
 
 #[test]
 fn every_key_of_the_table_is_given_once() {
-    use firstbounce::app::commands::COMMANDS;
+    use firstbounce::app::window::commands::COMMANDS;
     let keys: Vec<_> = COMMANDS.iter().filter_map(|command| command.shortcut).collect();
     for (index, shortcut) in keys.iter().enumerate() {
         assert!(!keys[..index].contains(shortcut), "{shortcut:?} runs two commands");
@@ -77,7 +77,7 @@ fn every_key_of_the_table_is_given_once() {
 fn the_help_sheet_lists_every_command() {
     let mut hands = Hands::with_demo();
     hands.press(Modifiers::NONE, Key::F1);
-    for command in firstbounce::app::commands::COMMANDS {
+    for command in firstbounce::app::window::commands::COMMANDS {
         assert!(hands.sees(command.title), "{}", command.title);
     }
 }

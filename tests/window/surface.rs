@@ -6,8 +6,8 @@ use std::process::Command;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::surface::{Shade, SurfaceLook};
-use firstbounce::app::views::Shown;
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::surfaces::{Shade, SurfaceLook};
 use firstbounce::gpu::mesh::Lens;
 use firstbounce_capture::mesh_file::write_ply;
 use firstbounce_core::Mesh;
@@ -23,7 +23,8 @@ fn with_surface() -> Hands {
     hands.press(Modifiers::COMMAND, Key::Num4);
     push(&mut hands, "Show the surface in 3D");
     hands.wait_until("the surface in 3D", |session| {
-        session.surfaces.is_at_rest() && session.surfaces.layer(firstbounce::app::surface::LayerName::After).is_some()
+        session.surfaces.is_at_rest()
+            && session.surfaces.layer(firstbounce::app::state::surfaces::LayerName::AFTER).is_some()
     });
     hands
 }
@@ -58,7 +59,7 @@ fn click_at(hands: &mut Hands, pos: Pos2) {
     hands.harness.run_steps(40);
 }
 
-fn after(hands: &mut Hands) -> Mesh {
+fn after(hands: &mut Hands) -> std::sync::Arc<Mesh> {
     hands.session().results.meshes().expect("meshes").after.clone()
 }
 
@@ -92,7 +93,7 @@ fn keys_turn_and_stand_the_eye_and_enter_picks_the_middle() {
     let (low, high) = mesh.bounds().unwrap();
     let middle = nalgebra::center(&low, &high);
     let id = hands.session().views.active().unwrap().id;
-    let picked = hands.session().surfaces.view(id).picked[0].point;
+    let picked = hands.harness.state_mut().canvases().surface(id).picked[0].point;
     assert!((picked.x - f64::from(middle.x)).abs() < 1e-3 && (picked.y - f64::from(middle.y)).abs() < 1e-3);
     let near = |p: &&Point3<f32>| (p.xy() - middle.xy()).norm();
     let vertex = mesh.positions.iter().min_by(|a, b| near(a).total_cmp(&near(b))).unwrap();
@@ -109,7 +110,7 @@ fn two_clicks_are_a_distance_and_a_section_is_plotted() {
     click_at(&mut hands, middle);
     click_at(&mut hands, middle + vec2(40.0, 10.0));
     let id = hands.session().views.active().unwrap().id;
-    let picked = hands.session().surfaces.view(id).picked.clone();
+    let picked = hands.harness.state_mut().canvases().surface(id).picked.clone();
     assert_eq!(picked.len(), 2);
     let length = (picked[1].point - picked[0].point).norm();
     assert!(length > 0.0 && hands.sees(&format!("Distance: {length:.3} mm")));
@@ -131,13 +132,13 @@ fn two_clicks_are_a_distance_and_a_section_is_plotted() {
 fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     let mut hands = with_surface();
     hands.click_button("Layers");
-    hands.harness.get_by_role_and_label(Role::CheckBox, "Show raw photos").click();
+    hands.harness.get_by_role_and_label(Role::CheckBox, "Show before").click();
     hands.steps();
     assert!(look(&mut hands).before.visible);
     hands.press(Modifiers::NONE, Key::Escape);
-    assert!(value(&hands).starts_with("bounce 1 and raw photos, "), "{}", value(&hands));
+    assert!(value(&hands).starts_with("bounce 1 and before, "), "{}", value(&hands));
     hands.click_button("Layers");
-    hands.harness.get_by_role_and_label(Role::CheckBox, "Show raw photos").click();
+    hands.harness.get_by_role_and_label(Role::CheckBox, "Show before").click();
     hands.steps();
     hands.press(Modifiers::NONE, Key::Escape);
 
@@ -145,7 +146,7 @@ fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     hands.steps();
     hands.harness.key_down(Key::B);
     hands.harness.run_steps(2);
-    assert!(value(&hands).starts_with("raw photos, "), "{}", value(&hands));
+    assert!(value(&hands).starts_with("before, "), "{}", value(&hands));
     hands.harness.key_up(Key::B);
     hands.harness.run_steps(2);
     assert!(value(&hands).starts_with("bounce 1, "));
@@ -155,7 +156,7 @@ fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     hands.steps();
     assert_eq!(look(&mut hands).shade, Shade::Height);
     let kept = hands.session().views.to_json();
-    let again = firstbounce::app::views::Views::from_json(kept).unwrap();
+    let again = firstbounce::app::state::layout::Views::from_json(kept).unwrap();
     let view = again.all().find(|view| view.shown == Shown::Surface).unwrap();
     assert_eq!(view.surface.shade, Shade::Height);
 }
@@ -235,7 +236,7 @@ fn a_reference_is_loaded_aligned_and_measured_as_by_the_command() {
     hands.press(Modifiers::COMMAND, Key::Z);
     assert!(poses(&mut hands).is_none());
     assert!(hands.sees("Surface or alignment changed since: compare again."));
-    hands.open(firstbounce::app::session::Open::Set(folder));
+    hands.open(firstbounce::app::state::session::Open::Set(folder));
     assert!(poses(&mut hands).is_some());
 }
 
@@ -246,7 +247,7 @@ fn three_picked_pairs_align_a_scan_that_lies_elsewhere() {
     let far = Vector3::new(400.0, -30.0, 250.0);
     load(&mut hands, "far.ply", &mesh.moved(&Isometry3::new(far, Vector3::zeros())));
     hands.wait_until("the reference in 3D", |session| {
-        session.surfaces.layer(firstbounce::app::surface::LayerName::Reference).is_some()
+        session.surfaces.layer(firstbounce::app::state::surfaces::LayerName::Reference).is_some()
     });
     push(&mut hands, "Pick three pairs of points");
     assert!(hands.sees("Point 1 of 3: click a place on the surface"));

@@ -3,9 +3,9 @@
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
-use firstbounce::app::results::{PlaneName, When};
-use firstbounce::app::session::Open;
-use firstbounce::app::views::Shown;
+use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::results::{PlaneName, SurfaceName};
+use firstbounce::app::state::session::Open;
 
 use crate::harness::Hands;
 
@@ -19,9 +19,9 @@ fn told(hands: &Hands, label: &str) -> String {
 fn tiles_are_there_again_when_the_set_is_opened_again() {
     let mut hands = Hands::with_demo();
     hands.press(Modifiers::COMMAND, Key::Backslash);
-    hands.session().views.show(Shown::Depth(When::After));
+    hands.session().views.show(Shown::Depth(SurfaceName::AFTER));
     hands.press(Modifiers::COMMAND, Key::T);
-    hands.session().views.show(Shown::Albedo(When::Before));
+    hands.session().views.show(Shown::Albedo(SurfaceName::Before));
     hands.steps();
     let all = |hands: &mut Hands| -> Vec<_> { hands.session().views.all().map(|view| view.shown.title()).collect() };
     let mut before = all(&mut hands);
@@ -59,8 +59,8 @@ fn pictures_are_fitted_and_shown_one_to_one_by_key_and_by_menu() {
 fn two_pictures_are_compared_by_a_held_key_by_wipe_and_in_numbers_with_units() {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.session().views.show(Shown::Depth(When::After));
-    hands.session().views.active_mut().unwrap().against = Some(Shown::Depth(When::Before));
+    hands.session().views.show(Shown::Depth(SurfaceName::AFTER));
+    hands.session().views.active_mut().unwrap().against = Some(Shown::Depth(SurfaceName::Before));
     hands.steps();
     hands.harness.get_by_role_and_label(Role::Image, "Depth after").focus();
     hands.steps();
@@ -92,7 +92,7 @@ fn two_pictures_are_compared_by_a_held_key_by_wipe_and_in_numbers_with_units() {
 fn depth_difference(hands: &mut Hands) -> (f64, f64, f64) {
     let results = &hands.session().results;
     let plane = |when| results.pictures().plane(&PlaneName::Depth(when)).unwrap().plane.plane.clone();
-    let (after, before) = (plane(When::After), plane(When::Before));
+    let (after, before) = (plane(SurfaceName::AFTER), plane(SurfaceName::Before));
     let loaded = results.loaded().unwrap();
     let mask = &loaded.object.as_ref().unwrap().mask;
     let differences: Vec<f64> = (0..after.data().len())
@@ -111,7 +111,7 @@ fn normals_differ_by_an_angle() {
     let mut hands = Hands::with_demo();
     hands.rest();
     let turned = hands.session().results.shapes().unwrap().turned.unwrap();
-    let (after, before) = (Shown::Normals(When::After), Shown::Normals(When::Before));
+    let (after, before) = (Shown::Normals(SurfaceName::AFTER), Shown::Normals(SurfaceName::Before));
     hands.session().views.show(Shown::Difference(Box::new(after), Box::new(before)));
     hands.steps();
     hands.wait_to_see("degrees, rms");

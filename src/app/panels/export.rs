@@ -4,30 +4,33 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{Button, CollapsingHeader, DragValue, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::OutputFolder;
+use firstbounce_capture::export::{OutputOptions, write_solved};
 use firstbounce_capture::image_file::{GreenAxis, GreyBits};
 use firstbounce_capture::mesh_file::{Axes, OutputFormat};
-use firstbounce_capture::pipeline::{OutputOptions, camera_of, write_solved};
+use firstbounce_capture::pipeline::camera_of;
 use firstbounce_capture::report::Report;
 use firstbounce_core::mesh::decimate::DecimateOptions;
 
 use super::Panel;
-use super::part::part;
-use crate::app::dialogs::Choose;
-use crate::app::document::Document;
-use crate::app::jobs::Task;
-use crate::app::path_field::PathField;
-use crate::app::results::{StageState, Step};
-use crate::app::session::Session;
-use crate::app::window::advice;
+use crate::app::base::dialogs::Choose;
+use crate::app::base::keyed::Keyed;
+use crate::app::state::document::Document;
+use crate::app::state::results::{StageState, SurfaceName, last_stage_of};
+use crate::app::state::session::Session;
+use crate::app::state::surfaces::LayerName;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::part::part;
+use crate::app::widgets::path_field::PathField;
 
 /// The panel.
 #[derive(Default)]
 pub struct Export {
     folder: PathField,
+    /// What was chosen last.
+    surface: Option<SurfaceName>,
     /// What the triangles were limited to before they were not.
     triangles: DecimateOptions,
-    writing: Option<(PathBuf, Task<Report>)>,
-    written: Option<(PathBuf, Report)>,
+    written: Keyed<PathBuf, Report>,
 }
 
 impl Panel for Export {
@@ -48,7 +51,7 @@ impl Panel for Export {
         ui.add_space(6.0);
         part(ui, "write", |ui| self.button(ui, session));
         self.take_written(session);
-        if let Some((folder, report)) = &self.written {
+        if let Some((folder, Ok(report))) = self.written.last() {
             contents(ui, folder, report);
         }
     }
@@ -111,21 +114,36 @@ impl Export {
         ui.indent("decimation", |ui| ui.label(RichText::new(line).small().weak()));
     }
 
+    /// Which surface is written; a choice only where there is one.
+    fn surface(&mut self, ui: &mut Ui, session: &Session, document: &Document) -> SurfaceName {
+        let offered = session.results.surfaces(document);
+        let chosen = self.surface.filter(|name| offered.contains(name)).unwrap_or(SurfaceName::AFTER);
+        self.surface = Some(chosen);
+        if offered.len() > 1 {
+            ui.label("Surface to write");
+            for name in offered {
+                ui.radio_value(&mut self.surface, Some(name), LayerName::Surface(name).title());
+            }
+        }
+        self.surface.unwrap_or(chosen)
+    }
+
     fn button(&mut self, ui: &mut Ui, session: &mut Session) {
         let document = session.document();
-        let state = session.results.state(Step::Mesh, &document);
-        let can_write = state == StageState::Ready && self.writing.is_none() && !self.folder.text.trim().is_empty();
+        let name = self.surface(ui, session, &document);
+        let state = session.results.state(last_stage_of(name), &document);
+        let can_write =
+            state == StageState::Ready && self.written.running().is_none() && !self.folder.text.trim().is_empty();
         if ui.add_enabled(can_write, Button::new("Write all results")).clicked()
-            && let Some(finished) = session.results.finished()
+            && let Some(finished) = session.results.finished(name, &document)
         {
             let folder = PathBuf::from(self.folder.text.trim());
             let (set, target, options) = (document.set.clone(), folder.clone(), document.settings.export.clone());
             let task = session.jobs.start("Write results", move |job| {
-                let output = OutputFolder::stage(target).map_err(|error| error.to_string())?;
-                let mut solved = finished.solved()?;
-                write_solved(&set, &mut solved, output, &options, job).map_err(|error| error.to_string())
+                let output = OutputFolder::stage(target)?;
+                write_solved(&set, &finished, output, &options, job)
             });
-            self.writing = Some((folder, task));
+            self.written.start(folder, task);
         }
         ui.label(
             RichText::new("Bounces, normals, albedo, noise and depth as EXR, and the report, are always written.")
@@ -142,16 +160,16 @@ impl Export {
     }
 
     fn take_written(&mut self, session: &mut Session) {
-        let Some((folder, task)) = &self.writing else { return };
-        let Some(outcome) = task.poll() else { return };
-        match outcome {
-            Ok(report) => {
-                session.done(format!("Wrote {} files into {}", report.files.len(), folder.display()));
-                self.written = Some((folder.clone(), report));
-            }
-            Err(line) => session.error(line),
+        if self.written.poll().is_none() {
+            return;
         }
-        self.writing = None;
+        match self.written.last() {
+            Some((folder, Ok(report))) => {
+                session.done(format!("Wrote {} files into {}", report.files.len(), folder.display()));
+            }
+            Some((_, Err(error))) => session.error(error.to_string()),
+            None => {}
+        }
     }
 }
 
@@ -161,7 +179,7 @@ fn pictures(ui: &mut Ui, options: &mut OutputOptions) {
     ui.radio_value(&mut options.green, GreenAxis::Up, "Up, as OpenGL reads it");
     ui.radio_value(&mut options.green, GreenAxis::Down, "Down, as DirectX reads it");
     ui.checkbox(&mut options.depth_png, "Depth as a 16-bit PNG too");
-    let line = "For programs that read no EXR; offset and scale stand in the file and in the report.";
+    let line = "For programs that read no EXR; offset and scale are in the file and in the report.";
     ui.indent("depth", |ui| ui.label(RichText::new(line).small().weak()));
 }
 

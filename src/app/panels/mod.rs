@@ -4,7 +4,6 @@ mod calibrate;
 mod captures;
 mod export;
 mod inspector;
-mod part;
 mod reference;
 mod separate;
 mod shape;
@@ -13,90 +12,10 @@ use std::path::PathBuf;
 
 use eframe::egui::Ui;
 
-use super::canvas::CanvasResponse;
-use super::results::{NO_PHOTOS, StageState, Step};
-use super::session::Session;
-use super::views::{Picture, Shown};
-
-pub(super) use part::part;
-
-/// The five steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PanelName {
-    /// Which photo is which.
-    Captures,
-    /// Lamps and paint.
-    Calibrate,
-    /// The order m, and what it costs.
-    Separate,
-    /// Normals and depth.
-    Shape,
-    /// Files.
-    Export,
-}
-
-impl PanelName {
-    /// All steps, in order.
-    pub const ALL: [Self; 5] = [Self::Captures, Self::Calibrate, Self::Separate, Self::Shape, Self::Export];
-
-    /// What the step is called.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Captures => "Captures",
-            Self::Calibrate => "Calibrate",
-            Self::Separate => "Separate",
-            Self::Shape => "Shape",
-            Self::Export => "Export",
-        }
-    }
-
-    /// The stage that this step waits for.
-    fn stage(self) -> Step {
-        match self {
-            Self::Captures => Step::Load,
-            Self::Calibrate => Step::Calibrate,
-            Self::Separate => Step::Separate,
-            Self::Shape => Step::Shape,
-            Self::Export => Step::Mesh,
-        }
-    }
-
-    /// How the step stands.
-    pub fn state(self, session: &Session) -> StageState {
-        let state = session.results.state(self.stage(), &session.document());
-        match (self, &state) {
-            (Self::Captures, StageState::Ready) => captures_state(session),
-            _ => state,
-        }
-    }
-}
-
-/// Photos are read one by one: that some are there does not mean that all are.
-fn captures_state(session: &Session) -> StageState {
-    if session.document().set.shots.is_empty() {
-        return StageState::Blocked { line: NO_PHOTOS.into() };
-    }
-    let loaded = session.results.loaded();
-    let mut bad = loaded.iter().flat_map(|loaded| &loaded.shots).filter_map(|shot| shot.photo.as_ref().err());
-    match (bad.next(), bad.count()) {
-        (Some(line), 0) => StageState::Failed { line: line.clone() },
-        (Some(line), more) => StageState::Failed { line: format!("{line} (and {more} more)") },
-        (None, _) => session
-            .problems()
-            .first()
-            .map_or(StageState::Ready, |problem| StageState::Blocked { line: problem.to_string() }),
-    }
-}
-
-/// A view while something is drawn over it.
-pub struct Over<'a> {
-    /// What the view shows.
-    pub shown: &'a Shown,
-    /// Its numbers.
-    pub picture: &'a Picture,
-    /// The canvas of this frame: its transform, clicks, and drags if they were asked for.
-    pub canvas: &'a CanvasResponse,
-}
+use crate::app::state::layout::Shown;
+use crate::app::state::panel::PanelName;
+use crate::app::state::session::Session;
+use crate::app::views::{Over, Overlay};
 
 /// A panel.
 pub trait Panel {
@@ -145,20 +64,21 @@ impl Panels {
         }
     }
 
-    /// The open step and the inspector draw over a view.
-    pub fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {
-        self.of(session.panel).overlay(ui, over, session);
-        self.inspector.overlay(ui, over, session);
-    }
-
-    /// Whether one of them wants the drags over this picture.
-    pub fn wants_drag(&mut self, shown: &Shown, session: &Session) -> bool {
-        self.of(session.panel).wants_drag(shown, session) || self.inspector.wants_drag(shown, session)
-    }
-
     /// Files and folders that were dropped on the window while a set is open.
     pub fn dropped(&mut self, paths: Vec<PathBuf>, session: &mut Session) {
         session.panel = PanelName::Captures;
         self.captures.dropped(paths, session);
+    }
+}
+
+impl Overlay for Panels {
+    /// The open step and the inspector draw over a view.
+    fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {
+        self.of(session.panel).overlay(ui, over, session);
+        self.inspector.overlay(ui, over, session);
+    }
+
+    fn wants_drag(&mut self, shown: &Shown, session: &Session) -> bool {
+        self.of(session.panel).wants_drag(shown, session) || self.inspector.wants_drag(shown, session)
     }
 }

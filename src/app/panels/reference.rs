@@ -6,14 +6,15 @@ use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_capture::pipeline::Compared;
 use firstbounce_core::mesh::compare::{Comparison, Start};
 
-use super::part;
-use crate::app::bars::Bars;
-use crate::app::dialogs::Choose;
-use crate::app::document::{Document, ReferenceSource};
-use crate::app::path_field::PathField;
-use crate::app::reference::{How, Outcome};
-use crate::app::session::Session;
-use crate::app::window::advice;
+use crate::app::base::bars::Bars;
+use crate::app::base::dialogs::Choose;
+use crate::app::state::document::{Document, ReferenceSource};
+use crate::app::state::reference::{How, Outcome};
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::bars::chart;
+use crate::app::widgets::part::part;
+use crate::app::widgets::path_field::PathField;
 
 const HEIGHT: f32 = 130.0;
 
@@ -30,12 +31,12 @@ impl ReferencePanel {
         ui.separator();
         ui.label(RichText::new("Reference scan").strong());
         self.choose(ui, session, document);
-        part::part(ui, "reference state", |ui| state(ui, session));
+        part(ui, "reference state", |ui| state(ui, session));
         if session.reference.mesh().is_none() {
             return;
         }
-        part::part(ui, "align", |ui| align(ui, session, document));
-        part::part(ui, "numbers", |ui| numbers(ui, session, document));
+        part(ui, "align", |ui| align(ui, session, document));
+        part(ui, "numbers", |ui| numbers(ui, session, document));
     }
 
     fn choose(&mut self, ui: &mut Ui, session: &mut Session, document: &Document) {
@@ -77,8 +78,8 @@ fn state(ui: &mut Ui, session: &Session) {
     match session.reference.loaded() {
         None if session.reference.is_loading() => advice(ui, "The reference is being read."),
         None => advice(ui, "Load a scan of the object to see how far the surface is from it."),
-        Some(Err(line)) => {
-            ui.colored_label(ui.visuals().error_fg_color, line);
+        Some(Err(error)) => {
+            ui.colored_label(ui.visuals().error_fg_color, error.to_string());
         }
         Some(Ok(loaded)) => {
             ui.label(&loaded.words);
@@ -109,11 +110,11 @@ fn align(ui: &mut Ui, session: &mut Session, document: &Document) {
             if ui.add_enabled(enough, Button::new("Align from the pairs")).clicked() {
                 session.align_from_pairs();
             }
-            if ui.button("Compare as they lie").on_hover_text("Distances without an alignment of their own").clicked() {
+            if ui.button("Compare without alignment").on_hover_text("Distances in the frames of the files").clicked() {
                 session.compare_with_reference(How::AsTheyLie);
             }
-            if is_aligned && ui.button("Forget the alignment").clicked() {
-                session.edit("Forget the alignment", |document| {
+            if is_aligned && ui.button("Remove the alignment").clicked() {
+                session.edit("Remove the alignment", |document| {
                     if let Some(reference) = &mut document.settings.reference {
                         reference.poses = None;
                     }
@@ -139,14 +140,14 @@ fn numbers(ui: &mut Ui, session: &mut Session, document: &Document) {
     let is_current = session.reference.is_current(document, meshes.as_ref());
     let Some(compared) = session.reference.compared() else {
         if session.reference.comparing().is_none() {
-            advice(ui, "Align, or compare as they lie, to see distances.");
+            advice(ui, "Align, or compare without alignment, to see distances.");
         }
         return;
     };
-    let outcome = match &compared.outcome {
+    let outcome = match compared {
         Ok(outcome) => outcome.clone(),
-        Err(line) => {
-            ui.colored_label(ui.visuals().error_fg_color, line);
+        Err(error) => {
+            ui.colored_label(ui.visuals().error_fg_color, error.to_string());
             return;
         }
     };
@@ -159,7 +160,7 @@ fn numbers(ui: &mut Ui, session: &mut Session, document: &Document) {
     });
     table(ui, &outcome);
     if let Err(line) = &outcome.before {
-        ui.colored_label(ui.visuals().warn_fg_color, format!("Raw photos: {line}"));
+        ui.colored_label(ui.visuals().warn_fg_color, format!("Before: {line}"));
     }
     if ui.button("Show the heat map").clicked() {
         session.show_heat_map();
@@ -177,7 +178,7 @@ const ROWS: &[Row] = &[
     ("Mean distance", |c| format!("{:.4} mm", c.mean_mm)),
     ("Mean signed distance", |c| format!("{:.4} mm", c.bias_mm)),
     ("Rms distance", |c| format!("{:.4} mm", c.rms_mm)),
-    ("95 % are closer than", |c| format!("{:.4} mm", c.p95_mm)),
+    ("95th percentile of the distance", |c| format!("{:.4} mm", c.p95_mm)),
     ("Largest distance", |c| format!("{:.4} mm", c.max_mm)),
     ("Overlap", |c| format!("{:.1} %", 100.0 * c.overlap)),
     ("Mean orientation error", |c| format!("{:.2} degrees", c.orientation_error_deg)),
@@ -213,7 +214,7 @@ fn table(ui: &mut Ui, outcome: &Outcome) {
 fn histogram(ui: &mut Ui, bars: &Bars, bias_mm: f64) {
     let plot = Plot::new("distances").height(HEIGHT).allow_drag(false).allow_zoom(false).allow_scroll(false);
     let plot = plot.allow_boxed_zoom(false).x_axis_label("signed distance, mm").y_axis_label("vertices");
-    let shown = plot.show(ui, |plot| plot.bar_chart(bars.chart("vertices")));
+    let shown = plot.show(ui, |plot| plot.bar_chart(chart(bars, "vertices")));
     let [low, high] = bars.range();
     let words = format!("Histogram of the distances of bounce 1 from {low:.3} to {high:.3} mm, mean {bias_mm:.4} mm");
     shown.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &words));

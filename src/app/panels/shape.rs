@@ -1,32 +1,32 @@
-//! Normals and depth: which lights, how shadows are told, and what taking the bounces out has changed.
+//! The Shape panel: lights, shadow thresholds, and the surface before and after.
 
-mod nayar;
+mod methods;
 
 use std::sync::Arc;
 
 use eframe::egui::{Button, DragValue, Grid, RichText, Ui};
 use firstbounce_capture::pipeline::{Evaluation, Method, SolveOptions, evaluate};
+use firstbounce_capture::set::ShapeSettings;
 use firstbounce_core::stereo::shape::Shape;
 
 use super::Panel;
 use super::reference::ReferencePanel;
-use crate::app::document::{Document, ShapeSettings};
-use crate::app::jobs::Task;
-use crate::app::number_field;
-use crate::app::results::{Shapes, StageState, Step, When};
-use crate::app::session::Session;
-use crate::app::views::Shown;
-use crate::app::window::advice;
+use crate::app::base::keyed::Keyed;
+use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{Shapes, StageState, Step, SurfaceName, stage_of};
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::number_field;
 
 /// Photometric stereo solves for three unknowns.
-const FEWEST_LIGHTS: usize = 3;
+const MIN_LIGHTS: usize = 3;
 
 /// The panel.
 #[derive(Default)]
 pub struct ShapePanel {
-    evaluating: Option<(Arc<Document>, Task<Evaluation>)>,
-    /// What the truth said, and of which document.
-    evaluated: Option<(Arc<Document>, Result<Evaluation, String>)>,
+    /// What the truth says of a document.
+    evaluated: Keyed<Arc<Document>, Evaluation>,
     reference: ReferencePanel,
 }
 
@@ -49,9 +49,9 @@ impl Panel for ShapePanel {
             before_and_after(ui, session, &shapes);
         }
         ui.separator();
-        let evaluated = self.evaluated.as_ref().filter(|(of, _)| *of == document);
-        let errors = evaluated.and_then(|(_, evaluation)| evaluation.as_ref().ok()?.nayar.as_ref());
-        nayar::ui(ui, session, &document, errors);
+        let evaluated = self.evaluated.of(&document).and_then(|outcome| outcome.as_ref().ok());
+        let errors = evaluated.and_then(|evaluation| evaluation.nayar.as_ref());
+        methods::ui(ui, session, &document, errors);
         self.truth(ui, session, &document);
         self.reference.ui(ui, session, &document);
     }
@@ -62,19 +62,19 @@ fn lights(ui: &mut Ui, session: &mut Session, document: &Document) {
     if document.set.lights.is_empty() {
         advice(ui, "This set has no light yet: add photos in Captures.");
     }
-    let left_out = &document.settings.shape.left_out;
+    let left_out = &document.set.shape.leave_out;
     let used = document.set.lights.iter().filter(|light| !left_out.contains(&light.name)).count();
     for light in &document.set.lights {
         let mut is_used = !left_out.contains(&light.name);
-        // Three lights are the fewest that tell a normal; the fourth can be spared.
-        let can_change = !is_used || used > FEWEST_LIGHTS;
+        // A normal needs at least three lights; the fourth can be spared.
+        let can_change = !is_used || used > MIN_LIGHTS;
         let check =
             ui.add_enabled(can_change, eframe::egui::Checkbox::new(&mut is_used, format!("Use {}", light.name)));
         if check.on_disabled_hover_text("Normals need at least three lights").changed() {
             let name = light.name.clone();
             let verb = if is_used { "Use light" } else { "Leave out light" };
             session.edit(&format!("{verb} {name}"), |document| {
-                let left_out = &mut document.settings.shape.left_out;
+                let left_out = &mut document.set.shape.leave_out;
                 left_out.retain(|other| *other != name);
                 if !is_used {
                     left_out.push(name);
@@ -85,7 +85,7 @@ fn lights(ui: &mut Ui, session: &mut Session, document: &Document) {
 }
 
 fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
-    let mut settings = document.settings.shape.clone();
+    let mut settings = document.set.shape.clone();
     let mut changed = None;
     Grid::new("shape options").num_columns(2).show(ui, |ui| {
         let mut percent = |ui: &mut Ui, label: &str, hover: &str, share: &mut f64| {
@@ -100,13 +100,13 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
             ui,
             "Shadow threshold",
             "A light is in shadow at a pixel where it is weaker than this share of the brightest light",
-            &mut settings.shadow_fraction,
+            &mut settings.shadow_share,
         );
         percent(
             ui,
             "Misfit threshold",
             "With five or more lights, one that misses the fit by more than this share of the brightest is left out",
-            &mut settings.outlier_fraction,
+            &mut settings.misfit_share,
         );
         let mut whole = |ui: &mut Ui, label: &str, hover: &str, unit: &str, value: &mut usize, range| {
             let name = ui.label(label).on_hover_text(hover);
@@ -116,18 +116,18 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
             }
             ui.end_row();
         };
-        let near = "How often near lamps are placed anew over the depth; distant lamps need one round";
-        whole(ui, "Rounds for near lamps", near, "", &mut settings.rounds, 1..=10);
-        let window = "Half width of the window in which the noise of indirect light is averaged; 0 for none";
-        whole(ui, "Indirect window", window, " px", &mut settings.indirect_radius_px, 0..=64);
+        let near = "How often the directions to near lamps are computed again from the depth; distant lamps need one iteration";
+        whole(ui, "Near-light iterations", near, "", &mut settings.rounds, 1..=10);
+        let window = "Half width of the window over which the indirect light is denoised; 0 for none";
+        whole(ui, "Denoising window", window, " px", &mut settings.indirect_window_px, 0..=64);
     });
     if let Some(name) = changed {
-        session.edit(&name, |document| document.settings.shape = settings);
+        session.edit(&name, |document| document.set.shape = settings);
     }
-    let default = ShapeSettings { left_out: document.settings.shape.left_out.clone(), ..ShapeSettings::default() };
-    let is_default = document.settings.shape == default;
-    if ui.add_enabled(!is_default, Button::new("Back to the command line's defaults")).clicked() {
-        session.edit("Reset shape options", |document| document.settings.shape = default);
+    let default = ShapeSettings { leave_out: document.set.shape.leave_out.clone(), ..ShapeSettings::default() };
+    let is_default = document.set.shape == default;
+    if ui.add_enabled(!is_default, Button::new("Reset to defaults")).clicked() {
+        session.edit("Reset shape options", |document| document.set.shape = default);
     }
 }
 
@@ -140,15 +140,16 @@ fn in_3d(ui: &mut Ui, session: &mut Session) {
 }
 
 fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
-    let is_ready = session.results.state(Step::Nayar, &session.document()) == StageState::Ready;
-    let by_nayar = session.results.by_nayar().filter(|_| is_ready);
-    let mut columns = vec![("before", &shapes.before), ("after", &shapes.after)];
-    columns.extend(by_nayar.as_ref().map(|found| ("by Nayar's method", &found.shape)));
-    ui.label(RichText::new("Before and after the bounces were taken out").strong());
+    let document = session.document();
+    let others = document.settings.compared.iter().map(|&method| SurfaceName::After(method));
+    let is_ready = |name: &SurfaceName| session.results.state(stage_of(*name), &document) == StageState::Ready;
+    let mut columns = vec![("before".to_owned(), shapes.before.clone()), ("after".to_owned(), shapes.after.clone())];
+    columns.extend(others.filter(is_ready).filter_map(|name| Some((name.words(), session.results.shape(name)?))));
+    ui.label(RichText::new("Before and after separation").strong());
     Grid::new("before and after").num_columns(1 + columns.len()).striped(true).show(ui, |ui| {
         ui.label("");
         for (heading, _) in &columns {
-            ui.label(RichText::new(*heading).strong());
+            ui.label(RichText::new(heading).strong());
         }
         ui.end_row();
         for (what, value) in ROWS {
@@ -161,17 +162,17 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     });
     if let Some(turned) = shapes.turned {
         ui.label(format!(
-            "The normals turned by {:.2} degrees on the mean, {:.2} in the median.",
+            "Mean change of the normals {:.2} degrees, median {:.2} degrees.",
             turned.mean_deg, turned.median_deg
         ));
     }
     ui.horizontal_wrapped(|ui| {
         for shown in [
-            Shown::Normals(When::After),
-            Shown::Normals(When::Before),
-            Shown::Depth(When::After),
-            Shown::Albedo(When::After),
-            Shown::Difference(Box::new(Shown::Depth(When::After)), Box::new(Shown::Depth(When::Before))),
+            Shown::Normals(SurfaceName::AFTER),
+            Shown::Normals(SurfaceName::Before),
+            Shown::Depth(SurfaceName::AFTER),
+            Shown::Albedo(SurfaceName::AFTER),
+            Shown::Difference(Box::new(Shown::Depth(SurfaceName::AFTER)), Box::new(Shown::Depth(SurfaceName::Before))),
         ] {
             if ui.button(format!("Show {}", shown.title().to_lowercase())).clicked() {
                 session.views.show(shown);
@@ -185,10 +186,10 @@ type Row = (&'static str, fn(&Shape) -> String);
 const ROWS: &[Row] = &[
     ("Pixels with a normal", |shape| shape.report.normals.solved_pixels.to_string()),
     ("Pixels without", |shape| shape.report.normals.unsolved_pixels.to_string()),
-    ("With shadowed lights left out", |shape| shape.report.normals.shadowed_pixels.to_string()),
+    ("With shadowed lights excluded", |shape| shape.report.normals.shadowed_pixels.to_string()),
     ("Expected noise, degrees", |shape| format!("{:.2}", shape.report.normals.mean_noise_deg)),
     ("Mean albedo", |shape| format!("{:.4}", shape.report.normals.mean_albedo)),
-    ("Condition of the lamps", |shape| format!("{:.2}", shape.report.normals.condition_number)),
+    ("Condition number of the light matrix", |shape| format!("{:.2}", shape.report.normals.condition_number)),
     ("Slope residual of the depth", |shape| format!("{:.4}", shape.depth.report.rms_slope_residual)),
     ("Unconnected parts", |shape| shape.depth.report.islands.to_string()),
 ];
@@ -201,22 +202,16 @@ impl ShapePanel {
         }
         ui.separator();
         ui.label(RichText::new("Against the truth of this set").strong());
-        let finished = self.evaluating.as_ref().and_then(|(of, task)| Some((of.clone(), task.poll()?)));
-        if finished.is_some() {
-            self.evaluating = None;
-            self.evaluated = finished;
-        }
-        let free = self.evaluating.is_none();
+        self.evaluated.poll();
+        let free = self.evaluated.running().is_none();
         if ui.add_enabled(free, Button::new("Compare with the truth")).clicked() {
-            let (set, options) = (document.used_set(), options_of(document));
-            let task = session.jobs.start("Compare with the truth", move |job| {
-                evaluate(&set, &options, job).map_err(|error| error.to_string())
-            });
-            self.evaluating = Some((document.clone(), task));
+            let (set, options) = (document.set.clone(), options_of(document));
+            let task = session.jobs.start("Compare with the truth", move |job| evaluate(&set, &options, job));
+            self.evaluated.start(document.clone(), task);
         }
-        match &self.evaluated {
-            Some((_, Err(line))) => {
-                ui.colored_label(ui.visuals().error_fg_color, line);
+        match self.evaluated.last() {
+            Some((_, Err(error))) => {
+                ui.colored_label(ui.visuals().error_fg_color, error.to_string());
             }
             Some((of, Ok(evaluation))) => {
                 evaluation_ui(ui, evaluation);
@@ -229,11 +224,9 @@ impl ShapePanel {
     }
 }
 
-/// As the command line would be asked: both methods, where both are looked at.
+/// As the command line would be asked: with the other method, where one is compared.
 fn options_of(document: &Document) -> SolveOptions {
-    let nayar = &document.settings.nayar;
-    let method = if nayar.compute { Method::Nayar } else { Method::Bounces };
-    SolveOptions { method, nayar: nayar.options(), ..document.settings.shape.options() }
+    document.options(document.settings.compared.first().copied().unwrap_or_default())
 }
 
 fn evaluation_ui(ui: &mut Ui, evaluation: &Evaluation) {
@@ -246,8 +239,9 @@ fn evaluation_ui(ui: &mut Ui, evaluation: &Evaluation) {
         };
         row("Normal error before, mean", format!("{:.2} degrees", errors.raw.mean));
         row("Normal error after, mean", format!("{:.2} degrees", errors.separated.mean));
-        if let Some(nayar) = &evaluation.nayar {
-            row("Normal error by Nayar's method, mean", format!("{:.2} degrees", nayar.result.mean));
+        for (name, errors) in &evaluation.methods {
+            let title = Method::from_name(name).map_or(*name, Method::title);
+            row(&format!("Normal error by {title}, mean"), format!("{:.2} degrees", errors.result.mean));
         }
         if let Some(direct) = errors.true_direct {
             row("From true direct light, mean", format!("{:.2} degrees", direct.mean));

@@ -6,28 +6,29 @@ use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::picture::{Picture, outdated, picture};
-use super::{Arrange, Hover, Shown, View, picker};
-use crate::app::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
-use crate::app::number_field::up_to;
-use crate::app::panels::{Over, Panels};
-use crate::app::plate::{plate, plate_in};
-use crate::app::session::Session;
-use crate::app::surface;
-use crate::app::window::advice_in_the_middle;
+use super::{Canvases, Over, Overlay, picker};
+use crate::app::state::layout::{Arrange, Hover, Shown, View};
+use crate::app::state::session::Session;
+use crate::app::views::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
+use crate::app::views::surface;
+use crate::app::widgets::advice::advice_in_the_middle;
+use crate::app::widgets::number_field::up_to;
+use crate::app::widgets::plate::{plate, plate_in};
 use crate::gpu::{ColourMap, Display};
 
-pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Panels) {
+/// The whole view.
+pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases, overlay: &mut dyn Overlay) {
     ui.push_id(view.id, |ui| {
-        ui.horizontal_wrapped(|ui| tools(ui, view, session));
+        ui.horizontal_wrapped(|ui| tools(ui, view, session, canvases));
         if view.shown == Shown::Surface {
-            if surface::ui(ui, view.id, &mut view.surface, session) {
-                session.views.active = Some(view.id);
+            if surface::ui(ui, view.id, &mut view.surface, session, canvases) {
+                session.views.activate(view.id);
             }
             return;
         }
         let document = session.document();
-        let Session { views, results, jobs, .. } = session;
-        if let Some(words) = views.statistics.words(view.id, &view.shown, &document, results, jobs) {
+        let Session { results, jobs, .. } = session;
+        if let Some(words) = canvases.statistics.words(view.id, &view.shown, &document, results, jobs) {
             ui.label(words);
         }
         match picture(&view.shown, &document, &session.results) {
@@ -35,14 +36,14 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, panels: &mut Pane
                 if let Some(line) = outdated(&view.shown, &document, &session.results) {
                     ui.colored_label(ui.visuals().warn_fg_color, line);
                 }
-                canvas(ui, view, &shown, session, panels);
+                canvas(ui, view, &shown, session, canvases, overlay);
             }
-            Err(line) => advice_in_the_middle(ui, &line),
+            Err(error) => advice_in_the_middle(ui, &error.to_string()),
         }
     });
 }
 
-fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
+fn tools(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases) {
     let document = session.document();
     ui.menu_button(format!("Picture: {}", view.shown.title()), |ui| {
         let in_3d = ui.selectable_label(view.shown == Shown::Surface, Shown::Surface.title()).clicked();
@@ -50,12 +51,12 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
         if let Some(chosen) = chosen {
             view.shown = chosen;
             view.look = Default::default();
-            session.views.active = Some(view.id);
+            session.views.activate(view.id);
         }
     });
     if view.shown == Shown::Surface {
-        surface::toolbar(ui, view.id, &mut view.surface, &document, session);
-        ui.menu_button("Look from", |ui| surface::eye_menu(ui, view.id, &mut view.surface, session));
+        surface::toolbar(ui, &mut view.surface, canvases.surface(view.id), &document, session);
+        ui.menu_button("Look from", |ui| surface::eye_menu(ui, &mut view.surface, canvases.surface(view.id), session));
         ui.menu_button("Arrange", |ui| arrange_menu(ui, view.id, session));
         return;
     }
@@ -82,7 +83,7 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session) {
     // Stays open while one thing after the other is tried.
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     MenuButton::new("Colours").config(stays).ui(ui, |ui| look(ui, view, proposal));
-    zoom(ui, view, session);
+    zoom(ui, view, canvases);
     ui.menu_button("Arrange", |ui| {
         ui.checkbox(&mut view.linked, "Zoom and pan with the others");
         arrange_menu(ui, view.id, session);
@@ -103,8 +104,8 @@ fn arrange_menu(ui: &mut Ui, id: u64, session: &mut Session) {
     }
 }
 
-/// The two zooms that a person asks for most.
-fn zoom(ui: &mut Ui, view: &View, session: &mut Session) {
+/// The two zooms that are used most.
+fn zoom(ui: &mut Ui, view: &View, canvases: &mut Canvases) {
     let title = view.shown.title();
     for (text, words, one_to_one) in [("Fit", "Fit", false), ("1:1", "One to one", true)] {
         let button = ui.button(text);
@@ -113,7 +114,7 @@ fn zoom(ui: &mut Ui, view: &View, session: &mut Session) {
             .on_hover_text(if one_to_one { "A pixel of the screen for every pixel" } else { "The whole picture" })
             .clicked()
         {
-            session.views.zoom(view, one_to_one);
+            canvases.zoom(view, one_to_one);
         }
     }
 }
@@ -121,7 +122,7 @@ fn zoom(ui: &mut Ui, view: &View, session: &mut Session) {
 /// The values at the two ends of the map: the picture's own, or typed.
 fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
     let mut own = range.is_some();
-    ui.checkbox(&mut own, "Own ends of the colour map");
+    ui.checkbox(&mut own, "Custom range");
     let mut ends = range.unwrap_or(proposal);
     let speed = f64::from((ends[1] - ends[0]).abs()) * 0.005;
     ui.add_enabled_ui(own, |ui| {
@@ -149,16 +150,16 @@ fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
     });
     ui.separator();
     ui.label("Colour map");
-    ui.selectable_value(&mut look.map, None, "As the picture proposes");
+    ui.selectable_value(&mut look.map, None, "Default of the picture");
     for map in ColourMap::ALL {
         ui.selectable_value(&mut look.map, Some(map), map.name());
     }
     range(ui, &mut view.look.range, proposal);
     ui.separator();
     let look = &mut view.look;
-    ui.checkbox(&mut look.clip_zebra, "Stripes where light clips");
-    ui.checkbox(&mut look.negative_zebra, "Stripes below zero");
-    ui.checkbox(&mut look.plain, "Without the tints of clipped and dark pixels");
+    ui.checkbox(&mut look.clip_zebra, "Clipping zebra");
+    ui.checkbox(&mut look.negative_zebra, "Zebra below zero");
+    ui.checkbox(&mut look.plain, "Hide the tints of clipped and dark pixels");
     if ui.button("Reset colours").clicked() {
         *look = Default::default();
     }
@@ -200,33 +201,39 @@ fn tints(ui: &Ui, view: &View, display: &Display, canvas: Rect) {
     }
 }
 
-fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, panels: &mut Panels) {
+fn canvas(
+    ui: &mut Ui,
+    view: &mut View,
+    shown: &Picture,
+    session: &mut Session,
+    canvases: &mut Canvases,
+    overlay: &mut dyn Overlay,
+) {
     let document = session.document();
     let display = view.look.over(&shown.display);
     let other = view.against.as_ref().and_then(|other| picture(other, &document, &session.results).ok());
     let other_display = other.as_ref().map(|other| view.look.over(&other.display));
 
-    let mut state = session.views.canvases.remove(&view.id).unwrap_or_default();
+    let state = canvases.pictures.entry(view.id).or_default();
     if view.linked {
-        state.view = session.views.shared;
+        state.view = canvases.shared;
     }
     state.compare = if view.wipe { Compare::Wipe } else { Compare::Hold };
-    let primary = if panels.wants_drag(&view.shown, session) { PrimaryDrag::Caller } else { PrimaryDrag::Pan };
+    let primary = if overlay.wants_drag(&view.shown, session) { PrimaryDrag::Caller } else { PrimaryDrag::Pan };
     let label = view.shown.title();
-    let other_label = view.against.as_ref().map(super::Shown::title).unwrap_or_default();
+    let other_label = view.against.as_ref().map(Shown::title).unwrap_or_default();
     let mut canvas =
-        Canvas::new(&mut state, &shown.source, &display).label(&label).legend(shown.quantity).primary_drag(primary);
+        Canvas::new(state, &shown.source, &display).label(&label).legend(shown.quantity).primary_drag(primary);
     if let (Some(other), Some(display)) = (&other, &other_display) {
         canvas = canvas.against(&other.source, display).other_label(&other_label);
     }
     let response: CanvasResponse = canvas.show(ui);
     if view.linked {
-        session.views.shared = state.view;
+        canvases.shared = state.view;
     }
-    session.views.canvases.insert(view.id, state);
 
     if response.response.clicked() || response.response.has_focus() || response.response.drag_started() {
-        session.views.active = Some(view.id);
+        session.views.activate(view.id);
     }
     if let Some(pixel) = response.hovered {
         session.views.hover = Some(Hover { shown: view.shown.clone(), pixel });
@@ -235,5 +242,5 @@ fn canvas(ui: &mut Ui, view: &mut View, shown: &Picture, session: &mut Session, 
         Some(_) => compared(ui, view, &response),
         None => tints(ui, view, &display, response.transform.rect),
     }
-    panels.overlay(ui, &Over { shown: &view.shown, picture: shown, canvas: &response }, session);
+    overlay.overlay(ui, &Over { shown: &view.shown, picture: shown, canvas: &response }, session);
 }

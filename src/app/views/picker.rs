@@ -1,23 +1,22 @@
 //! The menu from which a view's picture is chosen.
 
 use eframe::egui::Ui;
+use firstbounce_capture::pipeline::Method;
 
-use super::Shown;
-use crate::app::document::Document;
-use crate::app::results::{ShotName, When};
+use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{ShotName, SurfaceName};
 
 /// The menu's entries, by group: what this set has, whether or not it is computed yet.
 pub fn entries(document: &Document) -> Vec<(String, Vec<Shown>)> {
-    let (set, nayar) = (&document.set, document.settings.nayar.compute);
-    let mut groups = vec![("Surface".to_owned(), surface(nayar))];
+    let (set, compared) = (&document.set, &document.settings.compared);
+    let mut groups = vec![("Surface".to_owned(), surface(compared))];
     let bounces = set.bounces();
     for light in &set.lights {
         let light = light.name.clone();
         let mut shown: Vec<_> = (1..=bounces).map(|k| Shown::Bounce { light: light.clone(), k }).collect();
         shown.push(Shown::Direct { light: light.clone() });
-        if nayar {
-            shown.push(Shown::NayarDirect { light: light.clone() });
-        }
+        shown.extend(compared.iter().map(|&method| Shown::DirectBy { method, light: light.clone() }));
         if bounces > 1 {
             shown.push(Shown::FigureOne { light: light.clone() });
         }
@@ -34,9 +33,10 @@ pub fn entries(document: &Document) -> Vec<(String, Vec<Shown>)> {
     groups
 }
 
-fn surface(nayar: bool) -> Vec<Shown> {
-    let whens = [When::After, When::Before].into_iter().chain(nayar.then_some(When::Nayar));
-    let each = |shown: fn(When) -> Shown| whens.clone().map(shown).collect::<Vec<_>>();
+fn surface(compared: &[Method]) -> Vec<Shown> {
+    let others = compared.iter().map(|&method| SurfaceName::After(method));
+    let names = [SurfaceName::AFTER, SurfaceName::Before].into_iter().chain(others);
+    let each = |shown: fn(SurfaceName) -> Shown| names.clone().map(shown).collect::<Vec<_>>();
     [each(Shown::Normals), each(Shown::Albedo), each(Shown::NormalNoise), each(Shown::Depth)].concat()
 }
 

@@ -1,32 +1,29 @@
 //! The tiles on the screen.
 
-use eframe::egui::{Id, Ui, WidgetText};
-use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, Tree, UiResponse};
+use eframe::egui::{Ui, WidgetText};
+use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, UiResponse};
 
-use super::{Arrange, View, pane};
-use crate::app::panels::Panels;
-use crate::app::session::Session;
+use super::{Canvases, Overlay, pane};
+use crate::app::state::layout::{Arrange, View};
+use crate::app::state::session::Session;
 
 /// All views, filling the space that is left.
-pub fn ui(ui: &mut Ui, session: &mut Session, panels: &mut Panels) {
-    let mut tree = std::mem::replace(&mut session.views.tree, Tree::empty(Id::unique("views")));
+pub fn ui(ui: &mut Ui, session: &mut Session, canvases: &mut Canvases, overlay: &mut dyn Overlay) {
+    let mut tree = session.views.take_tree();
     session.views.hover = None;
-    tree.ui(&mut Behaviour { session, panels }, ui);
-    session.views.tree = tree;
-    session.views.apply_arrangement();
-    if let Some(shown) = session.views.wanted.take() {
-        session.views.show(shown);
-    }
+    tree.ui(&mut Behaviour { session, canvases, overlay }, ui);
+    session.views.put_back(tree);
 }
 
 struct Behaviour<'a> {
     session: &'a mut Session,
-    panels: &'a mut Panels,
+    canvases: &'a mut Canvases,
+    overlay: &'a mut dyn Overlay,
 }
 
 impl Behavior<View> for Behaviour<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, view: &mut View) -> UiResponse {
-        pane::ui(ui, view, self.session, self.panels);
+        pane::ui(ui, view, self.session, self.canvases, self.overlay);
         UiResponse::None
     }
 

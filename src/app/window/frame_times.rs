@@ -1,4 +1,4 @@
-//! How long frames kept the UI thread: nothing may block it.
+//! Frame times: how long frames kept the UI thread: nothing may block it.
 
 use std::collections::VecDeque;
 use std::fmt::Write;
@@ -7,7 +7,7 @@ use std::time::Instant;
 use eframe::egui::{Align2, Context, Window, vec2};
 use firstbounce_capture::atomic::write_file;
 
-use crate::app::session::Session;
+use crate::app::state::session::Session;
 
 /// Frames that are remembered.
 const KEPT: usize = 20_000;
@@ -42,7 +42,7 @@ struct FrameTime {
     phase: Phase,
     /// From its begin to its end, without the wait for the screen.
     whole_ms: f32,
-    /// What the UI thread itself worked since the frame before; `None` where the system does not tell.
+    /// What the UI thread itself worked since the frame before; `None` where the system does not report it.
     worked_ms: Option<f32>,
     /// The part of `whole_ms` in which results are taken and work is started.
     logic_ms: f32,
@@ -117,7 +117,7 @@ impl FrameTimes {
     /// Shows the overlay while it is open.
     pub fn ui(&mut self, context: &Context) {
         let mut is_open = self.is_open;
-        let mut anew = false;
+        let mut again = false;
         let window = Window::new("Frame times").open(&mut is_open).resizable(false);
         window.anchor(Align2::RIGHT_BOTTOM, vec2(-16.0, -48.0)).show(context, |ui| {
             for phase in Phase::ALL {
@@ -126,17 +126,17 @@ impl FrameTimes {
             let last: Vec<_> =
                 self.frames.iter().rev().take(SHOWN).map(|frame| format!("{:.1}", frame.whole_ms)).collect();
             ui.label(format!("last, ms: {}", last.join(" ")));
-            anew = ui.button("Count anew").clicked();
+            again = ui.button("Count again").clicked();
         });
         self.is_open = is_open;
-        if anew {
+        if again {
             self.frames.clear();
         }
     }
 
     /// Writes every frame that is remembered beside the preferences, and says how they were.
     pub fn write(&self, session: &mut Session) {
-        let place = session.folders.preferences.join("frame-times.csv");
+        let place = session.folders().preferences.join("frame-times.csv");
         match write_file(&place, self.table().as_bytes()) {
             Ok(()) => {
                 Phase::ALL.iter().for_each(|phase| session.done(self.summary(*phase).words(*phase)));

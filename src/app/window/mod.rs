@@ -1,9 +1,14 @@
 //! The window: steps at the left, views in the centre, the inspector at the right, log and jobs below.
 
 mod chrome;
+pub mod commands;
+pub mod device;
 mod frame_times;
+pub mod simulate;
+mod start;
 mod steps;
 mod strip;
+mod toasts;
 
 use std::sync::Arc;
 
@@ -13,17 +18,18 @@ use eframe::egui::{
 };
 use eframe::{App, CreationContext};
 
-use super::commands::{self, CommandId, Target};
-use super::device::DeviceWatch;
-use super::dialogs::Dialogs;
-use super::panels::{Panel, Panels};
-use super::preferences::{Folders, Theme};
-use super::results::Next;
-use super::session::{Open, Session};
-use super::start::{StartScreen, opening};
-use super::theme;
-use super::views;
+use crate::app::base::dialogs::Dialogs;
+use crate::app::panels::{Panel, Panels};
+use crate::app::state::document::save_everything_now;
+use crate::app::state::preferences::{Folders, Theme};
+use crate::app::state::results::Next;
+use crate::app::state::session::{Open, Session};
+use crate::app::views::{self, Canvases};
+use crate::app::widgets::theme;
 use crate::gpu;
+use commands::{CommandId, Target};
+use device::DeviceWatch;
+use start::{Chosen, StartScreen, opening};
 
 pub use chrome::Chrome;
 use frame_times::Phase;
@@ -32,6 +38,7 @@ use frame_times::Phase;
 pub struct Window {
     session: Session,
     panels: Panels,
+    canvases: Canvases,
     chrome: Chrome,
     start: StartScreen,
     /// What work off the UI thread wakes; another one when the window is opened again.
@@ -40,8 +47,8 @@ pub struct Window {
     begun: u64,
     /// Whether the results of the open set were never all there.
     is_opening: bool,
-    /// The title and scale that the system was told.
-    told: (String, f32, Option<Theme>),
+    /// The title, scale and theme that the system knows.
+    known: (String, f32, Option<Theme>),
 }
 
 impl Window {
@@ -56,28 +63,29 @@ impl Window {
         let mut window = Self {
             session: Session::new(folders, dialogs, Arc::new(wake)),
             panels: Panels::default(),
+            canvases: Canvases::default(),
             chrome: Chrome::default(),
             start: StartScreen::default(),
             context,
             begun: 0,
             is_opening: false,
-            told: Default::default(),
+            known: Default::default(),
         };
         window.prepare(creation);
         window
     }
 
     /// Goes on in another window of the system, because the device of the one before went away. Set, history and results stay;
-    /// what was on the card is sent anew.
+    /// what was on the card is sent again.
     pub fn move_to(&mut self, creation: &CreationContext<'_>) {
         // Sizes of panels, open sections and the like.
         let arranged = self.context.lock().data(|data| data.clone());
         creation.egui_ctx.data_mut(|data| *data = arranged);
         *self.context.lock() = creation.egui_ctx.clone();
         self.panels = Panels::default();
-        self.session.surfaces.forget_card();
+        self.canvases.forget_card();
         self.chrome.simulated.forget_card();
-        self.told = Default::default();
+        self.known = Default::default();
         self.prepare(creation);
     }
 
@@ -105,7 +113,7 @@ impl Window {
 
     /// Keeps what is unsaved for the next run: this one cannot go on.
     pub fn leave_to_next_run(&self) {
-        self.session.recovery.leave_to_next_run();
+        self.session.file.recovery.leave_to_next_run();
     }
 
     /// Opens a set.
@@ -114,12 +122,14 @@ impl Window {
         self.begin_panels();
     }
 
-    /// What panels keep from frame to frame belongs to one set.
+    /// What panels and views keep from frame to frame belongs to one set.
     fn begin_panels(&mut self) {
-        if self.begun != self.session.opened {
-            self.begun = self.session.opened;
+        let opened = self.session.file.opened_sets();
+        if self.begun != opened {
+            self.begun = opened;
             self.is_opening = true;
             self.panels = Panels::default();
+            self.canvases = Canvases::default();
         }
     }
 
@@ -127,7 +137,7 @@ impl Window {
     pub fn restore(&mut self) {
         let last = self.session.preferences.last_open.clone();
         if let Some(last) =
-            last.filter(|last| last.join("capture.toml").is_file() && self.session.recovery.found().is_empty())
+            last.filter(|last| last.join("capture.toml").is_file() && self.session.file.recovery.found().is_empty())
         {
             self.open(Open::Set(last));
         }
@@ -138,36 +148,42 @@ impl Window {
         &mut self.session
     }
 
-    /// Runs a command.
-    pub fn run(&mut self, id: CommandId, context: &Context) {
-        let Self { session, panels, chrome, .. } = self;
-        commands::run(id, Target { session, panels, chrome, context });
+    /// What the views keep from frame to frame.
+    pub fn canvases(&mut self) -> &mut Canvases {
+        &mut self.canvases
     }
 
-    fn tell_system(&mut self, context: &Context) {
+    /// Runs a command.
+    pub fn run(&mut self, id: CommandId, context: &Context) {
+        let Self { session, canvases, chrome, .. } = self;
+        commands::run(id, Target { session, canvases, chrome, context });
+        self.begin_panels();
+    }
+
+    fn inform_system(&mut self, context: &Context) {
         let document = self.session.document();
         let title = match (self.session.is_open(), self.session.editor.is_dirty()) {
             (false, _) => "Firstbounce".to_owned(),
             (true, false) => format!("{} - Firstbounce", document.set.title()),
             (true, true) => format!("*{} - Firstbounce", document.set.title()),
         };
-        if self.told.0 != title {
+        if self.known.0 != title {
             context.send_viewport_cmd(ViewportCommand::Title(title.clone()));
-            self.told.0 = title;
+            self.known.0 = title;
         }
         let scale = self.session.preferences.ui_scale;
-        if self.told.1 != scale {
+        if self.known.1 != scale {
             context.set_zoom_factor(scale);
-            self.told.1 = scale;
+            self.known.1 = scale;
         }
         let theme = self.session.preferences.theme;
-        if self.told.2 != Some(theme) {
+        if self.known.2 != Some(theme) {
             context.set_theme(match theme {
                 Theme::System => ThemePreference::System,
                 Theme::Dark => ThemePreference::Dark,
                 Theme::Light => ThemePreference::Light,
             });
-            self.told.2 = Some(theme);
+            self.known.2 = Some(theme);
         }
     }
 
@@ -203,17 +219,15 @@ impl Window {
         }
     }
 
-    fn run_requested(&mut self, context: &Context, chosen: Vec<Option<CommandId>>) {
-        let requested = self.session.take_requests();
-        for id in chosen.into_iter().flatten().chain(requested) {
+    fn run_chosen(&mut self, context: &Context, chosen: Vec<Option<CommandId>>) {
+        for id in chosen.into_iter().flatten() {
             self.run(id, context);
-            self.begin_panels();
         }
     }
 
     fn workplace(&mut self, ui: &mut Ui) {
-        let Self { session, panels, chrome, .. } = self;
-        if chrome.steps {
+        let Self { session, panels, canvases, chrome, .. } = self;
+        if chrome.shows.steps {
             SidePanel::left("steps").default_size(340.0).size_range(220.0..=640.0).show(ui, |ui| {
                 steps::ui(ui, session);
                 ui.separator();
@@ -224,7 +238,7 @@ impl Window {
                 });
             });
         }
-        if chrome.inspector {
+        if chrome.shows.inspector {
             SidePanel::right("inspector").default_size(280.0).size_range(180.0..=640.0).show(ui, |ui| {
                 ui.label(RichText::new("Inspector").strong());
                 ui.separator();
@@ -232,7 +246,7 @@ impl Window {
             });
         }
         let frame = Frame::central_panel(ui.style()).inner_margin(0.0);
-        CentralPanel::default_margins().frame(frame).show(ui, |ui| views::ui(ui, session, panels));
+        CentralPanel::default_margins().frame(frame).show(ui, |ui| views::ui(ui, session, canvases, panels));
     }
 }
 
@@ -247,13 +261,13 @@ impl App for Window {
         if self.is_opening {
             self.is_opening = !self.session.results.is_at_rest(&self.session.document());
         }
-        self.tell_system(context);
+        self.inform_system(context);
         self.chrome.frame_times.end_logic();
         #[cfg(debug_assertions)]
         self.chrome.device.begin_frame();
         if self.chrome.device.is_lost() {
             // Should the window not open again, the next run has it.
-            super::document::save_everything_now();
+            save_everything_now();
             context.send_viewport_cmd(ViewportCommand::Close);
             return;
         }
@@ -268,22 +282,26 @@ impl App for Window {
         let context = ui.ctx().clone();
         self.chrome.frame_times.begin_widgets();
         self.take_dropped(&context);
+        self.begin_panels();
         let by_keys = commands::pressed(&context);
         let by_menu = SidePanel::top("menu").show(ui, |ui| commands::menu_bar(ui, &self.session)).inner;
         self.chrome.notices(ui, &mut self.session);
-        strip::ui(ui, &mut self.session, &mut self.chrome.log);
+        strip::ui(ui, &mut self.session, &mut self.chrome.shows.log);
+        let mut by_start = None;
         if self.session.is_open() {
             self.workplace(ui);
         } else {
             let chosen = CentralPanel::default_margins().show(ui, |ui| self.start.ui(ui, &mut self.session)).inner;
-            if let Some(open) = chosen {
-                self.open_chosen(open);
+            match chosen {
+                Some(Chosen::Open(open)) => self.open_chosen(open),
+                Some(Chosen::NewSimulatedSet) => by_start = Some(CommandId::NewSimulatedSet),
+                None => {}
             }
         }
         let by_palette = self.chrome.palette.ui(&context, &self.session);
         self.chrome.dialogs(&context, &mut self.session);
-        self.session.log.show_toasts(&context);
-        self.run_requested(&context, vec![by_keys, by_menu, by_palette]);
+        toasts::ui(&context, &mut self.session.log);
+        self.run_chosen(&context, vec![by_keys, by_menu, by_start, by_palette]);
         self.chrome.frame_times.end_widgets();
         self.begin_panels();
     }
@@ -304,44 +322,5 @@ impl Window {
         if let Some(folder) = folder {
             self.panels.dropped(vec![folder], &mut self.session);
         }
-    }
-}
-
-/// What is drawn in an empty place: what to do next.
-pub fn advice(ui: &mut Ui, text: &str) {
-    ui.add_space(8.0);
-    ui.label(RichText::new(sentence(text)).weak());
-}
-
-/// The same in the middle of an empty view.
-pub fn advice_in_the_middle(ui: &mut Ui, text: &str) {
-    Frame::new().inner_margin(16.0).show(ui, |ui| {
-        ui.vertical_centered(|ui| {
-            ui.add_space(0.45 * ui.available_height());
-            ui.label(RichText::new(sentence(text)).weak());
-        });
-    });
-}
-
-/// A line that may stand behind another, on its own: "beta is not known" becomes "Beta is not known". What begins with a
-/// name of the set's ("left/green: ...") stays as it is.
-pub fn sentence(line: &str) -> String {
-    let word = line.split(' ').next().unwrap_or_default();
-    let mut letters = line.chars();
-    match letters.next() {
-        Some(first) if word.chars().all(|c| c.is_ascii_lowercase()) => first.to_uppercase().chain(letters).collect(),
-        _ => line.to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::sentence;
-
-    #[test]
-    fn a_line_on_its_own_begins_with_a_capital_and_a_name_stays_itself() {
-        assert_eq!(sentence("beta is not known"), "Beta is not known");
-        assert_eq!(sentence("left/green: 21 % is clipped"), "left/green: 21 % is clipped");
-        assert_eq!(sentence(""), "");
     }
 }

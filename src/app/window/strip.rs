@@ -2,8 +2,8 @@
 
 use eframe::egui::{Label, Panel, ProgressBar, Role, ScrollArea, TextWrapMode, Ui, WidgetInfo};
 
-use crate::app::log::coloured;
-use crate::app::session::Session;
+use super::toasts::coloured;
+use crate::app::state::session::Session;
 
 const LOG_HEIGHT: f32 = 140.0;
 

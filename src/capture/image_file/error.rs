@@ -22,7 +22,7 @@ pub enum ImageError {
         path: PathBuf,
     },
     /// The first bytes are of no format that is read.
-    #[error("{}: not an image Firstbounce reads (PNG, TIFF, EXR, JPEG, HDR, PFM): first bytes {first_bytes}; export it again", path.display())]
+    #[error("{}: not an image Firstbounce reads ({}): first bytes {first_bytes}; export it again", path.display(), Format::names())]
     NotAnImage {
         /// The file.
         path: PathBuf,

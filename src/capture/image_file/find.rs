@@ -35,15 +35,10 @@ fn look_into(folder: &Path, deeper: usize, found: &mut Vec<PathBuf>) {
             if deeper > 0 {
                 look_into(&path, deeper - 1, found);
             }
-        } else if is_picture(&path) {
+        } else if Format::of_name(&path).is_some() {
             found.push(path);
         }
     }
-}
-
-fn is_picture(path: &Path) -> bool {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    Format::ALL.iter().any(|format| format.extensions().contains(&ending.as_str()))
 }
 
 /// Digits by their value, all else by its letters.

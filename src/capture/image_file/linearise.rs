@@ -2,6 +2,7 @@
 
 use std::borrow::Borrow;
 use std::path::Path;
+use std::sync::Arc;
 
 use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::{Photo, Plane};
@@ -76,7 +77,7 @@ impl LinearOptions {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearLight {
     /// The average of the repeats, corrected.
-    pub photo: Photo,
+    pub photo: Arc<Photo>,
     /// How many files were averaged.
     pub repeats: usize,
     /// The noise by signal, from the differences between the repeats; `None` for one file.
@@ -142,7 +143,7 @@ pub fn linearise<I: Borrow<ImageFile>>(
                 flat.divide_row(y, light, marks);
             }
         });
-    let photo = Photo { linear: average.mean, marks: average.marks };
+    let photo = Arc::new(Photo { linear: average.mean, marks: average.marks });
     let quantisation_step = average.step / options.exposure;
     Ok(LinearLight {
         photo,

@@ -5,10 +5,12 @@
 
 mod correction;
 mod depth_png;
+mod encoding;
 mod error;
 mod exr_in;
 mod exr_out;
 mod find;
+mod format;
 mod linearise;
 mod pfm;
 mod png_out;
@@ -24,66 +26,19 @@ use std::path::PathBuf;
 
 use firstbounce_core::Plane;
 
-use crate::set::{Channel, Encoding};
-
 pub use correction::{Corrections, DarkFrame, FlatField, dark_frame, flat_field};
 pub use depth_png::{DepthScale, depth_png};
+pub use encoding::{Channel, Encoding};
 pub use error::ImageError;
 pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
 pub use find::pictures_in;
+pub use format::Format;
 pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
 pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};
 pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
 pub use repeats::{NoiseBin, RepeatNoise};
 pub use texture::texture_png;
-
-/// The file formats that are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Portable Network Graphics, 1 to 16 bits.
-    Png,
-    /// Tagged Image File Format: 1 to 32 bit integers, 16 to 64 bit floats.
-    Tiff,
-    /// OpenEXR, flat scan lines or tiles.
-    Exr,
-    /// JPEG, 8 bits.
-    Jpeg,
-    /// Radiance RGBE.
-    Hdr,
-    /// Portable float map.
-    Pfm,
-}
-
-impl Format {
-    /// Every format.
-    pub const ALL: [Self; 6] = [Self::Png, Self::Tiff, Self::Exr, Self::Jpeg, Self::Hdr, Self::Pfm];
-
-    /// The names that files of this format end in, the usual one first.
-    pub fn extensions(self) -> &'static [&'static str] {
-        match self {
-            Self::Png => &["png"],
-            Self::Tiff => &["tif", "tiff"],
-            Self::Exr => &["exr"],
-            Self::Jpeg => &["jpg", "jpeg", "jpe"],
-            Self::Hdr => &["hdr", "pic", "rgbe"],
-            Self::Pfm => &["pfm"],
-        }
-    }
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Png => "PNG",
-            Self::Tiff => "TIFF",
-            Self::Exr => "EXR",
-            Self::Jpeg => "JPEG",
-            Self::Hdr => "HDR",
-            Self::Pfm => "PFM",
-        })
-    }
-}
 
 /// What values a file can hold.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,12 +10,7 @@ use super::samples::{Layout, split};
 use super::{Format, ImageError, StoredRange};
 
 /// Palettes and fewer than 8 bits come out as 8 bits, 0 and 255 for the two values of a one-bit picture.
-pub(super) fn read(source: &Source, format: Format) -> Result<Decoded, ImageError> {
-    let image_format = match format {
-        Format::Jpeg => ImageFormat::Jpeg,
-        Format::Hdr => ImageFormat::Hdr,
-        _ => ImageFormat::Png,
-    };
+pub(super) fn read(source: &Source, format: Format, image_format: ImageFormat) -> Result<Decoded, ImageError> {
     let failed = |error: DecodeError| match error {
         DecodeError::Unsupported(what) => source.unsupported(format, what),
         error => source.damaged(format, error),

@@ -8,7 +8,7 @@ use std::path::Path;
 use firstbounce_core::{Mask, Plane};
 use rayon::prelude::*;
 
-use super::{Channel, Format, ImageError, ImageFile, ImageWarning, StoredRange, exr_in, pfm, raster, tiff_in};
+use super::{Channel, Format, ImageError, ImageFile, ImageWarning, StoredRange};
 
 /// The most pixels of a picture: twice the largest camera sensor of today.
 const PIXEL_LIMIT: usize = 300_000_000;
@@ -54,12 +54,7 @@ pub fn read_image_as(path: &Path, options: &ReadOptions) -> Result<ImageFile, Im
     let bytes = read_bytes(path)?;
     let source = Source { path, bytes: &bytes };
     let format = source.format()?;
-    let decoded = source.guarded(format, || match format {
-        Format::Png | Format::Jpeg | Format::Hdr => raster::read(&source, format),
-        Format::Tiff => tiff_in::read(&source),
-        Format::Exr => exr_in::read(&source, options.layer.as_deref()),
-        Format::Pfm => pfm::read(&source),
-    })?;
+    let decoded = source.guarded(format, || format.read(&source, options))?;
     let planes = decoded.channels.iter().map(|(_, plane)| plane);
     if decoded.stored.maximum.is_none() {
         refuse_bad_pixels(path, planes, options.content)?;
@@ -122,26 +117,14 @@ impl Source<'_> {
 
     /// The format by the first bytes.
     pub fn format(&self) -> Result<Format, ImageError> {
-        let is = |magic: &[u8]| self.bytes.starts_with(magic);
         let path = self.path.to_path_buf();
         if self.bytes.is_empty() {
-            Err(ImageError::Empty { path })
-        } else if is(b"\x89PNG\r\n\x1a\n") {
-            Ok(Format::Png)
-        } else if is(b"II*\0") || is(b"MM\0*") || is(b"II+\0") || is(b"MM\0+") {
-            Ok(Format::Tiff)
-        } else if is(b"\x76\x2f\x31\x01") {
-            Ok(Format::Exr)
-        } else if is(b"\xff\xd8\xff") {
-            Ok(Format::Jpeg)
-        } else if is(b"#?RADIANCE") || is(b"#?RGBE") {
-            Ok(Format::Hdr)
-        } else if (is(b"PF") || is(b"Pf")) && self.bytes.get(2).is_some_and(u8::is_ascii_whitespace) {
-            Ok(Format::Pfm)
-        } else {
-            let first = self.bytes.iter().take(3).map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
-            Err(ImageError::NotAnImage { path, first_bytes: first.join(" ") })
+            return Err(ImageError::Empty { path });
         }
+        Format::of_content(self.bytes).ok_or_else(|| {
+            let first = self.bytes.iter().take(3).map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
+            ImageError::NotAnImage { path, first_bytes: first.join(" ") }
+        })
     }
 
     /// Decoders meet bytes that nobody meant for them, and hold an `expect` or an index here and there: should one panic,
@@ -169,15 +152,14 @@ fn one_line(text: impl Display) -> String {
 
 fn warnings(path: &Path, format: Format, decoded: &Decoded, content: Content) -> Vec<ImageWarning> {
     let path = path.to_path_buf();
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let mut warnings = Vec::new();
-    if !extension.is_some_and(|extension| format.extensions().contains(&extension.as_str())) {
+    if Format::of_name(&path) != Some(format) {
         warnings.push(ImageWarning::WrongExtension { path: path.clone(), format });
     }
     if content == Content::Photo && decoded.stored.maximum.is_some_and(|maximum| maximum <= 255.0) {
         warnings.push(ImageWarning::EightBit { path: path.clone() });
     }
-    if content == Content::Photo && format == Format::Jpeg {
+    if content == Content::Photo && format.usually_srgb() {
         warnings.push(ImageWarning::ProbablySrgb { path });
     }
     warnings

@@ -78,7 +78,7 @@ mod tests {
             assert_eq!(picture.color() == image::ColorType::L16, bits == GreyBits::Sixteen);
             let stored = picture.to_luma32f();
             for x in 0..8 {
-                let linear = crate::set::Encoding::Srgb.encode(x as f32 / 7.0);
+                let linear = crate::image_file::Encoding::Srgb.encode(x as f32 / 7.0);
                 assert!((stored.get_pixel(x, 0).0[0] - linear).abs() <= 0.51 / white, "{bits:?} {x}");
             }
         }

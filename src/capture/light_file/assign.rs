@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{LightFile, LightFileError, LightFileProblem, LightLine};
 use crate::set::CaptureSet;
 
-/// Lines of one light may differ by this much before a person is told.
+/// Lines of one light may differ by this much before the user is warned.
 const SAME_LIGHT_DEG: f64 = 0.5;
 
 /// What was taken over from a light file, and what was not.
@@ -26,7 +26,7 @@ pub struct CarriedLights {
 }
 
 impl CarriedLights {
-    /// What a person should know, a line each; the first says what was done.
+    /// Lines for the user; the first says what was done.
     pub fn lines(&self) -> Vec<String> {
         let how = if self.by_order { "in the order of the file, for no name fits" } else { "by file name" };
         let mut lines = vec![match self.lights.as_slice() {
@@ -40,14 +40,14 @@ impl CarriedLights {
     /// What was not as one would expect, a line each.
     pub fn warnings(&self) -> Vec<String> {
         let mut lines = Vec::new();
-        let mut tell = |names: &[String], what: &str| {
+        let mut report = |names: &[String], what: &str| {
             if !names.is_empty() {
                 lines.push(format!("{}: {what}", names.join(", ")));
             }
         };
-        tell(&self.missing, "not in the light file; the direction stays as it was");
-        tell(&self.near, "has a position, which tells more than a direction; the light file's was left out");
-        tell(&self.strangers, "in the light file, and no photo of this set");
+        report(&self.missing, "not in the light file; the direction stays as it was");
+        report(&self.near, "has a position, which says more than a direction; the light file's was left out");
+        report(&self.strangers, "in the light file, and no photo of this set");
         for (light, degrees) in &self.differing {
             lines.push(format!("{light}: its lines differ by {degrees:.1} degrees; the first one counts"));
         }
@@ -58,7 +58,7 @@ impl CarriedLights {
 impl LightFile {
     /// Puts the directions in force as typed values of `set`. A line belongs to the light whose photo it names, by as much
     /// of the path as both have and whatever the extension; where no name fits at all, and there are as many lines as
-    /// lights, the order tells. `path` is for the error.
+    /// lights, the order decides. `path` is for the error.
     ///
     /// # Errors
     /// `Strange` where neither names nor the count fit; the set is then as it was.

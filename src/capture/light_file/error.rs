@@ -1,4 +1,4 @@
-//! What can be wrong with a light file.
+//! Errors of light files.
 
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ pub enum LightFileProblem {
     /// The first line is no count.
     #[error("expected the count of lights alone on this line, found '{found}'")]
     NoCount {
-        /// What stands there.
+        /// What is there.
         found: String,
     },
     /// Fewer or more lines than the count says.
@@ -46,13 +46,13 @@ pub enum LightFileProblem {
     /// A line of another form.
     #[error("expected 'file x y z', found '{found}'")]
     NotALight {
-        /// What stands there.
+        /// What is there.
         found: String,
     },
     /// Three numbers without a file.
     #[error("the file name is missing before '{found}'")]
     NoFile {
-        /// What stands there.
+        /// What is there.
         found: String,
     },
     /// No direction.
@@ -60,7 +60,7 @@ pub enum LightFileProblem {
     NoDirection {
         /// The photo.
         file: String,
-        /// What stands there.
+        /// What is there.
         found: String,
     },
     /// Neither names nor the count fit the set.

@@ -48,7 +48,7 @@ fn parse_line(line: &str) -> Result<LightLine, LightFileProblem> {
     let not_a_light = || LightFileProblem::NotALight { found: shortened(line) };
     let (name, last) = words.split_at_checked(words.len().wrapping_sub(3)).ok_or_else(not_a_light)?;
     let direction = numbers(last).ok_or_else(not_a_light)?;
-    // The name may hold spaces: it is what stands before the last three words.
+    // The name may hold spaces: it is all before the last three words.
     let mut file = line;
     for word in last.iter().rev() {
         file = file.strip_suffix(word).unwrap_or(file).trim_end();

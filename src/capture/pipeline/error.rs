@@ -1,6 +1,7 @@
 //! Why a run of the pipeline stopped.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use firstbounce_core::calibrate::CalibrateError;
 use firstbounce_core::denoise::DenoiseError;
@@ -28,6 +29,9 @@ pub enum PipelineError {
     /// A picture.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// A photo, which several shots may be of.
+    #[error(transparent)]
+    Photo(Arc<ImageError>),
     /// A mesh.
     #[error(transparent)]
     Mesh(#[from] MeshFileError),
@@ -137,6 +141,11 @@ pub enum PipelineError {
          albedo as grey_albedo under [calibration], or type white_light there"
     )]
     NoWhiteLight,
+    /// A method that starts from a surface was given none.
+    #[error(
+        "this method starts from the surface that the photos as they are show, and there is none: recover it first"
+    )]
+    NoSurfaceBefore,
     /// A grey ball of unknown albedo.
     #[error(
         "Nayar's method needs the paint's absolute albedo: type the grey ball's albedo (0 to 1, as its maker states it) as \

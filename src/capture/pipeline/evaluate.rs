@@ -2,19 +2,20 @@
 
 use firstbounce_core::image::evaluate::{lit_by_three, relative_error, rmse_without_offset};
 use firstbounce_core::mesh::LengthUnit;
-use firstbounce_core::methods::by_shape::{ByShape, ByShapeStep};
+use firstbounce_core::methods::by_shape::ByShapeStep;
 use firstbounce_core::separate::Separation;
-use firstbounce_core::stereo::depth::Depth;
+use firstbounce_core::stereo::depth::{Depth, integrate};
 use firstbounce_core::stereo::shape::Shape;
-use firstbounce_core::{AngularError, Mask, NormalMap, Plane};
+use firstbounce_core::{AngularError, Camera, Mask, NormalMap, Plane};
+use indexmap::IndexMap;
 use serde::Serialize;
 
+use super::reconstruct::white_light_for;
 use super::truth::{true_normals, true_plane, true_white_light};
 use super::watch::Part;
 use super::{
-    Beginning, Calibrated, Direct, Known, Method, NayarSolved, ObjectPhotos, PipelineError, PipelineWatch,
-    SolveOptions, Stage, calibrate_for, camera_of, denoise_lights, load_object, raw_lights, recover, separate_lights,
-    simulate_away, white_light,
+    AlbedoScale, Direct, Input, Method, MethodReport, NayarSolved, PhotoStore, PipelineError, PipelineWatch, Scene,
+    SolveOptions, Stage, calibrate_for, camera_of, load_object, raw_lights, recover,
 };
 use crate::set::CaptureSet;
 
@@ -74,6 +75,15 @@ pub struct NayarIteration {
     pub residual: f64,
 }
 
+/// Another method than the paper's against the truth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MethodErrors {
+    /// Normal errors of its result, in degrees.
+    pub result: Angles,
+    /// Root mean square depth error, the offset of each island removed; absent without true depth.
+    pub depth_rmse_mm: Option<f64>,
+}
+
 /// How far the results of a set are from its truth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
@@ -81,7 +91,10 @@ pub struct Evaluation {
     pub bounces: usize,
     /// Normal errors in degrees.
     pub normal_error_deg: NormalErrors,
-    /// The same for Nayar's method; absent where it was not asked for.
+    /// By name, the method that was asked for beside the paper's.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
+    pub methods: IndexMap<&'static str, MethodErrors>,
+    /// More of Nayar's method; absent where it was not asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nayar: Option<NayarErrors>,
     /// For each bounce, mean absolute error over mean true light, all lights together.
@@ -101,158 +114,178 @@ pub struct Evaluation {
     pub warnings: Vec<String>,
 }
 
-/// Solves the set raw, separated and with its true direct light, and compares each with the true normals and depth.
+/// Solves the set raw, separated and with its true direct light, by another method where one is asked for, and compares
+/// each with the true normals and depth. A light that surfaces are recovered without is left out of all of it.
 pub fn evaluate(
     set: &CaptureSet,
     options: &SolveOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Evaluation, PipelineError> {
-    let bounces = options.bounces.unwrap_or_else(|| set.bounces());
-    let object = load_object(set, watch)?;
+    let set = &set.without_lights(&options.left_out);
+    let by_colours = SolveOptions { method: Method::Colours, left_out: Vec::new(), ..options.clone() };
+    let bounces = by_colours.bounces_of(set);
+    let store = PhotoStore::default();
+    let object = load_object(set, &store, watch)?;
     let size = object.mask.size();
-    let truth = true_normals(&set.truth_normals(), size)?;
-    let calibrated = calibrate_for(set, bounces, watch)?;
-    let separated = separate_lights(set, &object, &calibrated, bounces, watch)?;
-    let direct = true_bounces(set, 1, size)?;
+    let truth = Truth::of(set, size)?;
+    let calibrated = calibrate_for(set, bounces, &store, watch)?;
+    drop(store);
+    let scene = Scene::of(set, &object, &calibrated);
+    let raw = raw_lights(&object, watch)?;
+    let input = Input { scene: &scene, raw: &raw, before: None, white_light: None, options: &by_colours };
+    let found = Method::Colours.direct_light(&input, watch, &mut |_| {})?;
 
-    let camera = camera_of(set, size);
-    let shape = |lights: &[Direct], part: usize| {
-        recover(set, &object, &calibrated, lights, &camera, &options.shape, &Part::of(watch, Stage::Shape, part, 3))
-    };
-    let quiet = denoise_lights(set, &object, &calibrated, &separated, &options.denoise, watch)?;
-    let after = shape(&quiet, 0)?;
-    let raw_lights = raw_lights(&object, watch)?;
-    let raw = Pseudo { shape: shape(&raw_lights, 1)?, lights: raw_lights };
-    let ideal = direct.as_ref().map(|direct| shape(&as_direct(direct, &separated.lights), 2)).transpose()?;
-    let nayar = match options.method {
-        Method::Bounces => None,
-        Method::Nayar => Some(by_nayar(set, &object, &calibrated, &raw, options, watch)?),
+    let shape =
+        |lights: &[Direct], part: usize| recover(&scene, lights, &by_colours, &Part::of(watch, Stage::Shape, part, 3));
+    let after = shape(&found.direct, 0)?;
+    let before = shape(&raw.direct(), 1)?;
+    let direct = truth.direct.as_ref();
+    let ideal = direct.map(|direct| shape(&as_direct(direct, &found.separated.lights), 2)).transpose()?;
+    let other = match options.method {
+        Method::Colours => None,
+        method => Some(Other::find(method, scene.clone(), &before, options, watch)?),
     };
 
     // One set of pixels for every method: none may win by leaving out what is hard.
-    let with_truth = mask_where(&object.mask, |pixel| truth.at_index(pixel).is_some());
-    let lit = match &direct {
-        Some(direct) => lit_by_three(direct, &with_truth).unwrap_or_else(|| with_truth.clone()),
-        None => with_truth.clone(),
-    };
-    let iterations = nayar.iter().flat_map(|nayar| nayar.steps.iter().map(|(_, normals)| normals));
-    let methods = [Some(&raw.shape), Some(&after), ideal.as_ref()].into_iter().flatten();
-    let maps: Vec<_> = methods.map(|shape| &shape.normals.map).chain(iterations).collect();
+    let with_truth = mask_where(&object.mask, |pixel| truth.normals.at_index(pixel).is_some());
+    let lit = direct.and_then(|direct| lit_by_three(direct, &with_truth)).unwrap_or_else(|| with_truth.clone());
+    let shapes = [Some(&before), Some(&after), ideal.as_ref()].into_iter().flatten();
+    let maps: Vec<_> =
+        shapes.map(|shape| &shape.normals.map).chain(other.iter().flat_map(|other| &other.on_the_way)).collect();
     let compared = mask_where(&lit, |pixel| maps.iter().all(|map| map.at_index(pixel).is_some()));
-    let error_of = |normals: &NormalMap| {
-        normals.angular_error(&truth, &compared).map(Angles::from).ok_or(PipelineError::NothingToCompare)
-    };
-    let error = |shape: &Shape| error_of(&shape.normals.map);
-    let normal_error_deg = NormalErrors {
-        raw: error(&raw.shape)?,
-        separated: error(&after)?,
-        true_direct: ideal.as_ref().map(error).transpose()?,
-    };
+    let judge = Judge { camera: scene.camera(), with_truth, compared, truth };
 
-    let depth_path = set.truth_depth();
-    let in_mm = camera.unit() == LengthUnit::Millimetre;
-    let depth = if in_mm && depth_path.is_file() { Some(true_plane(&depth_path, size)?) } else { None };
-    let rmse = |found: &Depth| {
-        let both = mask_where(&with_truth, |pixel| found.mask.data()[pixel]);
-        depth.as_ref().and_then(|truth| rmse_without_offset(&found.depth_mm, truth, &both, &found.mask))
-    };
     let part = Part::of(watch, Stage::Shape, 2, 3);
-    let of_truth =
-        firstbounce_core::stereo::depth::integrate(&truth, &object.mask, None, &camera, &options.shape.depth, &part);
+    let depth_options = &options.shape.depth;
+    let of_truth = integrate(&judge.truth.normals, &object.mask, None, &judge.camera, depth_options, &part);
+    let of_other = |other: &Other| Ok::<_, PipelineError>((other.method.name(), other.errors(&judge)?));
+    let warnings = object.warnings.iter().chain(&calibrated.warnings).cloned();
     Ok(Evaluation {
         bounces,
-        normal_error_deg,
-        nayar: nayar.as_ref().map(|nayar| nayar.errors(&error_of, &rmse)).transpose()?,
-        bounce_relative_error: bounce_errors(set, &separated.lights, bounces, &compared)?,
-        depth_rmse_mm: rmse(&after.depth),
-        depth_rmse_raw_mm: rmse(&raw.shape.depth),
-        depth_rmse_true_normals_mm: of_truth.ok().as_ref().and_then(rmse),
-        pixels: compared.count(),
-        pixels_with_truth: with_truth.count(),
-        warnings: object
-            .warnings
-            .iter()
-            .chain(&calibrated.warnings)
-            .cloned()
-            .chain(nayar.iter().flat_map(ByNayar::warnings))
-            .collect(),
+        normal_error_deg: NormalErrors {
+            raw: judge.normals(&before.normals.map)?,
+            separated: judge.normals(&after.normals.map)?,
+            true_direct: ideal.as_ref().map(|ideal| judge.normals(&ideal.normals.map)).transpose()?,
+        },
+        methods: other.iter().map(of_other).collect::<Result<_, _>>()?,
+        nayar: other.as_ref().map(|other| other.nayar_errors(&judge)).transpose()?.flatten(),
+        bounce_relative_error: bounce_errors(set, &found.separated.lights, bounces, &judge.compared)?,
+        depth_rmse_mm: judge.depth_rmse_mm(&after.depth),
+        depth_rmse_raw_mm: judge.depth_rmse_mm(&before.depth),
+        depth_rmse_true_normals_mm: of_truth.ok().as_ref().and_then(|depth| judge.depth_rmse_mm(depth)),
+        pixels: judge.compared.count(),
+        pixels_with_truth: judge.with_truth.count(),
+        warnings: warnings.chain(other.iter().flat_map(Other::warnings)).collect(),
     })
 }
 
-/// The photos as they are, and the surface they show.
-struct Pseudo {
-    lights: Vec<Direct>,
+/// What a rendered set knows of itself.
+struct Truth {
+    normals: NormalMap,
+    /// Where the camera's scale is known.
+    depth: Option<Plane>,
+    /// By light.
+    direct: Option<Vec<Plane>>,
+}
+
+impl Truth {
+    fn of(set: &CaptureSet, size: (usize, usize)) -> Result<Self, PipelineError> {
+        let path = set.truth_depth();
+        let known = camera_of(set, size).unit() == LengthUnit::Millimetre && path.is_file();
+        Ok(Self {
+            normals: true_normals(&set.truth_normals(), size)?,
+            depth: known.then(|| true_plane(&path, size)).transpose()?,
+            direct: true_bounces(set, 1, size)?,
+        })
+    }
+}
+
+/// Compares with the truth, over the same pixels whatever the method.
+struct Judge {
+    camera: Camera,
+    with_truth: Mask,
+    compared: Mask,
+    truth: Truth,
+}
+
+impl Judge {
+    fn normals(&self, found: &NormalMap) -> Result<Angles, PipelineError> {
+        let error = found.angular_error(&self.truth.normals, &self.compared);
+        error.map(Angles::from).ok_or(PipelineError::NothingToCompare)
+    }
+
+    fn depth_rmse_mm(&self, found: &Depth) -> Option<f64> {
+        let both = mask_where(&self.with_truth, |pixel| found.mask.data()[pixel]);
+        rmse_without_offset(&found.depth_mm, self.truth.depth.as_ref()?, &both, &found.mask)
+    }
+}
+
+/// Another method than the paper's, with every shape on the way.
+struct Other {
+    method: Method,
     shape: Shape,
+    on_the_way: Vec<NormalMap>,
+    report: MethodReport,
 }
 
-/// Nayar's method with every shape on the way.
-struct ByNayar {
-    steps: Vec<(ByShapeStep, NormalMap)>,
-    found: ByShape,
-    white_light: Known<f64>,
-    white_light_source: String,
-}
+impl Other {
+    fn find(
+        method: Method,
+        scene: Scene,
+        before: &Shape,
+        options: &SolveOptions,
+        watch: &dyn PipelineWatch,
+    ) -> Result<Self, PipelineError> {
+        // A rendered set knows it: what is judged here is the method, not the grey ball.
+        let scale = AlbedoScale { white_light_of_truth: true_white_light(&scene.set), ..options.scale };
+        let options = SolveOptions { method, scale, left_out: Vec::new(), ..options.clone() };
+        let scene = method.scene_of(scene, &options);
+        let white_light = white_light_for(&scene, &options, watch)?;
+        let raw = raw_lights(&scene.object, watch)?;
+        let (before, white_light) = (Some(before), white_light.as_ref());
+        let input = Input { scene: &scene, raw: &raw, before, white_light, options: &options };
+        let mut on_the_way = Vec::new();
+        let found = method.direct_light(&input, watch, &mut |shape| on_the_way.push(shape.normals.map.clone()))?;
+        let shape = match found.shape {
+            Some(shape) => shape,
+            None => recover(&scene, &found.direct, &options, &Part::of(watch, Stage::Shape, 2, 3))?,
+        };
+        if on_the_way.is_empty() {
+            on_the_way.push(shape.normals.map.clone());
+        }
+        Ok(Self { method, shape, on_the_way, report: found.report })
+    }
 
-impl ByNayar {
-    fn errors(
-        &self,
-        error_of: &dyn Fn(&NormalMap) -> Result<Angles, PipelineError>,
-        rmse: &dyn Fn(&Depth) -> Option<f64>,
-    ) -> Result<NayarErrors, PipelineError> {
-        let iteration = |(step, normals): &(ByShapeStep, NormalMap)| {
+    fn errors(&self, judge: &Judge) -> Result<MethodErrors, PipelineError> {
+        let result = judge.normals(&self.shape.normals.map)?;
+        Ok(MethodErrors { result, depth_rmse_mm: judge.depth_rmse_mm(&self.shape.depth) })
+    }
+
+    fn nayar_errors(&self, judge: &Judge) -> Result<Option<NayarErrors>, PipelineError> {
+        let MethodReport::Nayar(NayarSolved { report, white_light }) = &self.report else { return Ok(None) };
+        let iteration = |(step, normals): (&ByShapeStep, &NormalMap)| {
             Ok(NayarIteration {
-                error_deg: error_of(normals)?,
+                error_deg: judge.normals(normals)?,
                 change_deg: step.change_deg,
                 mean_albedo: step.mean_albedo,
                 residual: step.residual,
             })
         };
-        Ok(NayarErrors {
-            result: error_of(&self.found.shape.normals.map)?,
-            iterations: self.steps.iter().map(iteration).collect::<Result<_, PipelineError>>()?,
-            ending: self.found.report.ending.words(),
-            depth_rmse_mm: rmse(&self.found.shape.depth),
-            white_light: self.white_light.value,
-            white_light_source: self.white_light_source.clone(),
-        })
+        let iterations = report.steps.iter().zip(&self.on_the_way).map(iteration);
+        let MethodErrors { result, depth_rmse_mm } = self.errors(judge)?;
+        Ok(Some(NayarErrors {
+            result,
+            iterations: iterations.collect::<Result<_, PipelineError>>()?,
+            ending: report.ending.words(),
+            depth_rmse_mm,
+            white_light: white_light.value,
+            white_light_source: white_light.source.words().to_owned(),
+        }))
     }
 
     fn warnings(&self) -> Vec<String> {
-        let solved = NayarSolved { report: self.found.report.clone(), white_light: self.white_light.clone() };
-        solved.warnings(self.found.shape.report.normals.solved_pixels)
+        self.report.warnings(self.shape.report.normals.solved_pixels)
     }
-}
-
-fn by_nayar(
-    set: &CaptureSet,
-    object: &ObjectPhotos,
-    calibrated: &Calibrated,
-    pseudo: &Pseudo,
-    options: &SolveOptions,
-    watch: &dyn PipelineWatch,
-) -> Result<ByNayar, PipelineError> {
-    let (white_light, white_light_source) = match white_light(set, calibrated, &options.scale, watch) {
-        Ok(known) => (known.clone(), known.source.words().to_owned()),
-        // A rendered set knows it: what is judged here is the method, not the grey ball.
-        Err(error @ (PipelineError::NoGreyAlbedo | PipelineError::NoWhiteLight)) => {
-            let value = true_white_light(set).ok_or(error)?;
-            (Known::from_file(value), "the set's truth".to_owned())
-        }
-        Err(error) => return Err(error),
-    };
-    let camera = camera_of(set, object.mask.size());
-    let beginning = Beginning {
-        raw: &pseudo.lights,
-        pseudo_shape: &pseudo.shape,
-        mask: &object.mask,
-        camera: &camera,
-        white_light: white_light.value,
-    };
-    let mut steps = Vec::new();
-    let part = Part::of(watch, Stage::Nayar, 0, 1);
-    let mut on_step = |step: &ByShapeStep, shape: &Shape| steps.push((*step, shape.normals.map.clone()));
-    let found = simulate_away(set, calibrated, &beginning, &options.nayar, &options.shape, &part, &mut on_step)?;
-    Ok(ByNayar { steps, found, white_light, white_light_source })
 }
 
 /// For each bounce that has a truth, the mean over the lights of its relative error.

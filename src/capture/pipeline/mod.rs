@@ -5,31 +5,34 @@ mod compare;
 mod cost;
 mod error;
 mod evaluate;
-mod load;
-mod nayar;
-mod output;
-mod solve;
+mod methods;
+mod photos;
+mod reconstruct;
+mod scene;
+mod surfaces;
 mod survey;
 mod trust;
 mod truth;
 mod watch;
 
 pub use calibrate::{
-    BallCircle, BallPhotos, Calibrated, DirectionDoubt, Evidence, Known, Preference, RatioEvidence, Source, Verdict,
-    calibrate, calibrate_for, calibrate_on,
+    BallCircle, Calibrated, DirectionDoubt, Evidence, Known, Preference, RatioEvidence, Source, Verdict, calibrate,
+    calibrate_for, calibrate_with,
 };
 pub use compare::{Compared, ReferenceError, Registration, alignment_warnings, compare_meshes, read_comparable};
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
-pub use evaluate::{Angles, Evaluation, NayarErrors, NayarIteration, NormalErrors, evaluate};
-pub use load::{ObjectPhotos, SubjectPhotos, load_object, load_subject};
-pub use nayar::{AlbedoScale, Beginning, Method, NayarSolved, in_one_colour, simulate_away, white_light};
-pub use output::{OutputOptions, write_solved};
-pub use solve::{
-    Direct, Separated, SolveOptions, Solved, Surfaced, camera_of, denoise_lights, lamps, raw_lights, recover,
-    separate_lights, solve, triangulate,
+pub use evaluate::{Angles, Evaluation, MethodErrors, NayarErrors, NayarIteration, NormalErrors, evaluate};
+pub use methods::{
+    AlbedoScale, Found, Input, Method, MethodReport, NayarSolved, Needs, OnShape, denoise_lights, separate_lights,
 };
+pub use photos::{ObjectPhotos, PhotoStore, ShotLight, SubjectPhotos, file_warnings, load_object, load_subject};
+pub(crate) use reconstruct::relative_albedo;
+pub use reconstruct::{Direct, Separated, SolveOptions, Solved, raw_lights, reconstruct, recover, solve, triangulate};
+pub use scene::{Scene, camera_of};
+pub use surfaces::{Surface, SurfaceName};
 pub use survey::{Exposed, region_of, survey, thumbnail};
 pub use trust::{ObjectLevels, judge, rig_of};
 pub use truth::truth_mesh;
+pub(crate) use watch::Part;
 pub use watch::{PipelineWatch, Stage, Unattended};

@@ -1,15 +1,13 @@
 //! How well each photo is exposed: what the captures table shows and `firstbounce info` prints.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::{Mask, Photo, Plane};
-use indexmap::IndexMap;
 use rayon::prelude::*;
 
-use super::load::load_group;
-use super::{PipelineError, PipelineWatch, Stage};
-use crate::image_file::read_mask;
+use super::{PhotoStore, PipelineError, PipelineWatch};
+use crate::image_file::{LinearLight, read_mask};
 use crate::set::{CaptureSet, Shot, Subject};
 
 /// How well a photo is exposed. Of the object's photos the mask's pixels count, of a ball's those in its circle; all
@@ -63,38 +61,17 @@ pub fn region_of(set: &CaptureSet, shot: &Shot, mask: Option<&Mask>, size: (usiz
 /// [`PipelineError::Cancelled`] alone.
 pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Vec<Result<Exposed, String>>, PipelineError> {
     let mask = set.mask.as_ref().and_then(|written| read_mask(&set.resolve(written)).ok());
-    let mut groups: IndexMap<(Subject, &[String]), Vec<usize>> = IndexMap::new();
-    for (index, shot) in set.shots.iter().enumerate() {
-        groups.entry((shot.subject, &shot.files)).or_default().push(index);
-    }
-    let groups: Vec<_> = groups.into_iter().collect();
-    let done = AtomicUsize::new(0);
-    let looked_at = groups.par_iter().map(|((_, files), indices)| {
-        if watch.cancelled() {
-            return Err(PipelineError::Cancelled);
-        }
-        let shots: Vec<&Shot> = indices.iter().map(|&index| &set.shots[index]).collect();
-        let outcome = match load_group(set, files, &shots) {
-            Ok(loaded) => loaded
-                .iter()
-                .map(|(shot, linear)| {
-                    let region = region_of(set, shot, mask.as_ref(), linear.photo.linear.size());
-                    Ok(Exposed::of(&linear.photo, region.as_ref()))
-                })
-                .collect(),
-            Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
-            Err(error) => vec![Err(error.to_string()); shots.len()],
+    let shots: Vec<&Shot> = set.shots.iter().collect();
+    let seen: Vec<_> = shots.iter().map(|_| Mutex::new(None)).collect();
+    PhotoStore::default().visit(set, &shots, watch, &|index, light| {
+        let exposed = |light: &Arc<LinearLight>| {
+            let region = region_of(set, shots[index], mask.as_ref(), light.photo.linear.size());
+            Exposed::of(&light.photo, region.as_ref())
         };
-        let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
-        watch.progress(Stage::Load, finished as f32 / groups.len() as f32);
-        Ok(outcome)
-    });
-    let looked_at = looked_at.collect::<Result<Vec<Vec<_>>, PipelineError>>()?;
-    let by_index =
-        groups.iter().zip(looked_at).flat_map(|((_, indices), outcome)| indices.iter().copied().zip(outcome));
-    let mut all: Vec<_> = by_index.collect();
-    all.sort_by_key(|(index, _)| *index);
-    Ok(all.into_iter().map(|(_, outcome)| outcome).collect())
+        let outcome = light.as_ref().map(exposed).map_err(ToString::to_string);
+        *seen[index].lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
+    })?;
+    Ok(seen.into_iter().filter_map(|seen| seen.into_inner().unwrap_or_else(PoisonError::into_inner)).collect())
 }
 
 /// A small copy of a picture whose longer side is at most `longest_px`: each pixel is the mean of those it stands for.

@@ -1,5 +1,8 @@
 //! How far the separation of a set can be trusted: the verdict that reports print and the window shows.
 
+use std::sync::Arc;
+
+use firstbounce_core::Photo;
 use firstbounce_core::interval::Estimate;
 use firstbounce_core::separate::typical_light;
 use firstbounce_core::stereo::normals::Lamp;
@@ -29,7 +32,7 @@ pub struct ObjectLevels {
 impl ObjectLevels {
     /// Of the object's photos.
     pub fn of(set: &CaptureSet, object: &ObjectPhotos) -> Self {
-        let means = |row: &Vec<_>| row.iter().map(|photo| typical_light(photo, &object.mask)).collect();
+        let means = |row: &Vec<Arc<Photo>>| row.iter().map(|photo| typical_light(photo, &object.mask)).collect();
         let mean: Vec<Vec<f64>> = object.photos.iter().map(means).collect();
         let noise = mean.iter().zip(&object.noise);
         let sigma = noise.map(|(row, noise)| row.iter().zip(noise).map(|(light, noise)| noise.sigma(*light)).collect());
@@ -118,7 +121,7 @@ mod tests {
     use firstbounce_core::trust::{Level, Names, Reason};
 
     use super::*;
-    use crate::pipeline::{Unattended, calibrate_for, evaluate, load_object};
+    use crate::pipeline::{PhotoStore, Unattended, calibrate_for, evaluate, load_object};
 
     fn demo() -> CaptureSet {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/demo");
@@ -126,9 +129,9 @@ mod tests {
     }
 
     fn verdict(set: &CaptureSet) -> Trust {
-        let object = load_object(set, &Unattended).unwrap();
+        let object = load_object(set, &PhotoStore::default(), &Unattended).unwrap();
         let levels = ObjectLevels::of(set, &object);
-        let calibrated = calibrate_for(&demo(), 2, &Unattended).unwrap();
+        let calibrated = calibrate_for(&demo(), 2, &PhotoStore::default(), &Unattended).unwrap();
         judge(set, &levels, &calibrated, &TrustOptions { bounces: 2, ..TrustOptions::default() }).unwrap()
     }
 
@@ -157,15 +160,12 @@ mod tests {
     #[test]
     fn the_verdict_foretells_the_error_of_rendered_sets() {
         for (name, bounces) in [("corner-blue", 1), ("corner-blue", 2), ("groove-rgb", 2), ("bowl-four", 2)] {
-            let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
-            let Ok(set) = CaptureSet::open(&folder) else {
-                println!("skipped: no {}", folder.display());
-                continue;
-            };
+            let Some(folder) = firstbounce_testing::shared_set(name) else { continue };
+            let set = CaptureSet::open(&folder).unwrap();
             let options = crate::pipeline::SolveOptions { bounces: Some(bounces), ..Default::default() };
             let truth = evaluate(&set, &options, &Unattended).unwrap();
-            let object = load_object(&set, &Unattended).unwrap();
-            let calibrated = calibrate_for(&set, bounces, &Unattended).unwrap();
+            let object = load_object(&set, &PhotoStore::default(), &Unattended).unwrap();
+            let calibrated = calibrate_for(&set, bounces, &PhotoStore::default(), &Unattended).unwrap();
             let levels = ObjectLevels::of(&set, &object);
             let trust = judge(&set, &levels, &calibrated, &TrustOptions { bounces, ..Default::default() }).unwrap();
             let error = 100.0 * truth.bounce_relative_error[0];

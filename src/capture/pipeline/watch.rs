@@ -68,7 +68,7 @@ impl PipelineWatch for Unattended {
 }
 
 /// One part of a stage, as the core sees its watcher: its own 0 to 1 is `from` to `to` of the stage.
-pub(super) struct Part<'a> {
+pub(crate) struct Part<'a> {
     pub watch: &'a dyn PipelineWatch,
     pub stage: Stage,
     pub from: f32,

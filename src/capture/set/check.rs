@@ -1,8 +1,10 @@
-//! What each part of a set must be by itself, for a file and for a set that a person edits in memory.
+//! Checks of each part of a set by itself, for a file and for a set that the user edits in memory.
+
+use firstbounce_core::denoise::MAX_RADIUS_PX;
 
 use super::model::*;
 use super::problem::{Location, Problem};
-use super::rule::{Rule, VECTOR, is_vector, unusable_name};
+use super::rule::{MAX_ROUNDS, ROUNDS, Rule, VECTOR, WINDOW, is_vector, unusable_name};
 use super::word::Word;
 
 impl CaptureSet {
@@ -61,6 +63,7 @@ impl CaptureSet {
         if self.separation.bounces == Some(0) {
             found.add(Location::Separation, "bounces", "expected a whole number from 1, found 0");
         }
+        found.shape(&self.shape);
         found.truth(&self.truth);
         found.0
     }
@@ -143,23 +146,16 @@ impl Found {
             }
         }
         if light.direction.is_some() && light.position_mm.is_some() {
-            self.add(location, "direction", "given beside position_mm, which already tells it; keep one of the two");
+            self.add(location, "direction", "given beside position_mm, which already implies it; keep one of the two");
         }
     }
 
     fn shot(&mut self, location: Location, shot: &Shot) {
-        let subject = shot.subject.word();
-        match shot.subject {
-            Subject::Object | Subject::GreySphere | Subject::MaterialSphere => {
-                self.present(location, "light", &shot.light, subject);
-                self.present(location, "colour", &shot.colour, subject);
-            }
-            Subject::MirrorSphere => self.present(location, "light", &shot.light, subject),
-            Subject::Dark => {
-                self.absent(location, "light", &shot.light);
-                self.absent(location, "colour", &shot.colour);
-            }
-            Subject::FlatField => {}
+        let subject = shot.subject;
+        for (key, naming, value) in
+            [("light", subject.light(), &shot.light), ("colour", subject.colour(), &shot.colour)]
+        {
+            self.naming(location, subject, (key, naming), value.as_deref());
         }
         if shot.files.is_empty() {
             self.add(location, "files", "expected at least one file path, found none");
@@ -173,15 +169,14 @@ impl Found {
         }
     }
 
-    fn present(&mut self, location: Location, key: &str, value: &Option<String>, subject: &str) {
-        if value.is_none() {
-            self.add(location, key, format!("missing; a shot of {subject:?} needs one"));
-        }
-    }
-
-    fn absent(&mut self, location: Location, key: &str, value: &Option<String>) {
-        if let Some(value) = value {
-            self.add(location, key, format!("a dark frame is taken without one; leave out {value:?}"));
+    fn naming(&mut self, at: Location, subject: Subject, (key, naming): (&str, Naming), value: Option<&str>) {
+        let subject = subject.word();
+        match (naming, value) {
+            (Naming::Required, None) => self.add(at, key, format!("missing; a shot of {subject:?} needs one")),
+            (Naming::Refused, Some(value)) => {
+                self.add(at, key, format!("a shot of {subject:?} is taken without one; leave out {value:?}"));
+            }
+            _ => {}
         }
     }
 
@@ -221,6 +216,18 @@ impl Found {
         }
         self.maybe_number(at, "grey_albedo", Rule::Albedo, calibration.grey_albedo);
         self.maybe_number(at, "white_light", Rule::Positive, calibration.white_light);
+    }
+
+    fn shape(&mut self, shape: &ShapeSettings) {
+        let at = Location::Shape;
+        self.number(at, "shadow_share", Rule::Share, shape.shadow_share);
+        self.number(at, "misfit_share", Rule::Share, shape.misfit_share);
+        if !(1..=MAX_ROUNDS).contains(&shape.rounds) {
+            self.add(at, "rounds", format!("expected {ROUNDS}, found {}", shape.rounds));
+        }
+        if shape.indirect_window_px > MAX_RADIUS_PX {
+            self.add(at, "indirect_window_px", format!("expected {WINDOW}, found {}", shape.indirect_window_px));
+        }
     }
 
     fn truth(&mut self, truth: &Truth) {

@@ -1,4 +1,4 @@
-//! What the parts of a set must be to each other.
+//! Consistency of the parts of a set with each other.
 
 use std::collections::{HashMap, HashSet};
 
@@ -30,6 +30,7 @@ impl CaptureSet {
         self.check_spheres(&mut problems);
         self.check_calibration(&mut problems);
         self.check_bounces(&mut problems);
+        self.check_left_out(&mut problems);
         if self.lights.len() > 1 && !self.truth.bounce.contains("{light}") {
             let message = format!("expected a file path with {{light}} for the light, found {:?}", self.truth.bounce);
             problems.push(Problem::of_key(Location::Truth, "bounce", message));
@@ -78,7 +79,7 @@ impl CaptureSet {
         let lit: HashSet<(Subject, &str)> = taken.iter().map(|(subject, light, _)| (*subject, *light)).collect();
         for (index, light) in self.lights.iter().enumerate() {
             let name = light.name.as_str();
-            for subject in [Subject::Object, Subject::GreySphere, Subject::MaterialSphere] {
+            for &subject in Subject::ALL.iter().filter(|subject| subject.is_matte()) {
                 let word = subject.word();
                 if !lit.contains(&(subject, name)) {
                     if subject == Subject::Object {
@@ -141,7 +142,7 @@ impl CaptureSet {
                 format!("expected {colours} numbers, one per colour, found {}", ratios.len())
             }
             Some(first) if (first - 1.0).abs() > ROUNDING => {
-                format!("expected 1 for the reference colour, which stands first, found {first}")
+                format!("expected 1 for the reference colour, which is first, found {first}")
             }
             _ => return None,
         };
@@ -166,6 +167,15 @@ impl CaptureSet {
             Problem::of_key(Location::Calibration, "beta", message)
         };
         self.colours_alike(beta).into_iter().map(problem).collect()
+    }
+
+    /// Lights that surfaces are recovered without.
+    fn check_left_out(&self, problems: &mut Vec<Problem>) {
+        let lights: Vec<&str> = self.lights.iter().map(|light| light.name.as_str()).collect();
+        for name in &self.shape.leave_out {
+            let unknown = unknown_name(Location::Shape, "light", Some(name), &lights);
+            problems.extend(unknown.map(|problem| Problem { key: Some("leave_out".into()), ..problem }));
+        }
     }
 
     fn check_bounces(&self, problems: &mut Vec<Problem>) {

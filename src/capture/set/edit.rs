@@ -1,4 +1,4 @@
-//! Changes values in a TOML text and leaves everything else, comments and layout, as it stands.
+//! Changes values in a TOML text and leaves everything else, comments and layout, as it is.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Reads the keys of one table, and remembers where each stands.
+//! Reads the keys of one table, and remembers where each is.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -10,19 +10,29 @@ use super::problem::{Location, Problem, TextPosition};
 use super::rule::{did_you_mean, nearest};
 use super::word::Word;
 
-/// The text being read: what is wrong with it so far, and where its keys stand.
+/// The text being read: what is wrong with it so far, and where its keys are.
 pub(super) struct Reader<'t> {
     text: &'t str,
     line_starts: Vec<usize>,
     places: HashMap<(Location, Option<String>), usize>,
     pub(super) problems: Vec<Problem>,
+    /// Every key that was asked for, by the header of its part.
+    #[cfg(test)]
+    pub(super) asked: std::collections::BTreeSet<(&'static str, &'static str)>,
 }
 
 impl<'t> Reader<'t> {
     pub(super) fn new(text: &'t str) -> Self {
         let newlines = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let line_starts = std::iter::once(0).chain(newlines.map(|(at, _)| at + 1)).collect();
-        Self { text, line_starts, places: HashMap::new(), problems: Vec::new() }
+        Self {
+            text,
+            line_starts,
+            places: HashMap::new(),
+            problems: Vec::new(),
+            #[cfg(test)]
+            asked: Default::default(),
+        }
     }
 
     /// The line and column of a byte of the text.
@@ -33,7 +43,7 @@ impl<'t> Reader<'t> {
         TextPosition { line, column }
     }
 
-    /// Where a key stands; where its part stands if the key does not.
+    /// Where a key is; where its part is if the key is absent.
     pub(super) fn place(&self, location: Location, key: Option<&str>) -> Option<TextPosition> {
         let of_key = key.and_then(|key| self.places.get(&(location, Some(key.into()))));
         of_key.or_else(|| self.places.get(&(location, None))).map(|offset| self.position(*offset))
@@ -50,7 +60,7 @@ impl<'t> Reader<'t> {
         self.problems.push(Problem { position, ..problem });
     }
 
-    /// What stands in the file, short enough for one line.
+    /// What the file has, short enough for one line.
     fn found(&self, item: &Item) -> String {
         let written = item.as_value().and_then(|value| self.text.get(value.span()?));
         match written {
@@ -74,16 +84,18 @@ impl<'r, 't> Fields<'r, 't> {
         Self { reader, table, location, known: Vec::new(), missing: Vec::new() }
     }
 
-    /// The item at `key` as it stands.
+    /// The item at `key` as it is.
     pub(super) fn item(&mut self, key: &'static str) -> Option<&'r Item> {
         self.known.push(key);
+        #[cfg(test)]
+        self.reader.asked.insert((self.location.header(), key));
         let item = self.table.get(key).filter(|item| !item.is_none())?;
         let span = self.key_span(key).or_else(|| item.span());
         self.reader.remember(self.location, Some(key), span);
         Some(item)
     }
 
-    /// Where `key` stands.
+    /// Where `key` is.
     pub(super) fn key_span(&self, key: &str) -> Option<Range<usize>> {
         self.table.key(key).and_then(|key| key.span())
     }

@@ -7,7 +7,6 @@
 mod check;
 mod consistency;
 mod edit;
-mod encoding;
 mod fields;
 mod guess;
 mod model;
@@ -16,6 +15,7 @@ mod query;
 mod read;
 mod rig;
 mod rule;
+mod subject;
 mod table;
 mod word;
 mod write;

@@ -1,17 +1,24 @@
-//! What a capture set file says, as plain data with the format's defaults.
+//! The content of a capture set file, as plain data with the format's defaults.
 
 use std::path::PathBuf;
 
+use firstbounce_core::denoise::DenoiseOptions;
+use firstbounce_core::stereo::normals::NormalsOptions;
+use firstbounce_core::stereo::shape::ShapeOptions;
 use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+pub use super::subject::{Naming, SphereKind, Subject};
+pub use crate::image_file::{Channel, Encoding};
 
 /// One object photographed under several lights in several colours.
 ///
-/// Shots name their light and colour, as the file does; [`CaptureSet::check`] tells what does not fit together.
+/// Shots name their light and colour, as the file does; [`CaptureSet::check`] reports what does not fit together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CaptureSet {
     /// The folder that relative paths start from.
     pub folder: PathBuf,
-    /// What a person calls the set; empty where the file gives no name.
+    /// What the user calls the set; empty where the file gives no name.
     pub name: String,
     /// A picture whose non-zero pixels are the object, as written in the file.
     pub mask: Option<String>,
@@ -29,6 +36,8 @@ pub struct CaptureSet {
     pub calibration: Calibration,
     /// How to separate the bounces.
     pub separation: Separation,
+    /// How surfaces are recovered.
+    pub shape: ShapeSettings,
     /// Where the truth lies, for evaluation.
     pub truth: Truth,
 }
@@ -75,18 +84,6 @@ impl Default for Projection {
     }
 }
 
-/// How light becomes stored values.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Encoding {
-    /// Stored values are proportional to light.
-    #[default]
-    Linear,
-    /// The sRGB curve.
-    Srgb,
-    /// Stored = light ^ (1 / gamma).
-    Gamma(f64),
-}
-
 /// One lamp colour and where a file holds it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Colour {
@@ -94,20 +91,6 @@ pub struct Colour {
     pub name: String,
     /// The channel that holds it.
     pub channel: Channel,
-}
-
-/// A channel of a picture file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Channel {
-    /// Red.
-    R,
-    /// Green.
-    G,
-    /// Blue.
-    B,
-    /// The mean of what the file has.
-    #[default]
-    Grey,
 }
 
 /// One physical lamp position.
@@ -154,52 +137,10 @@ impl Default for Shot {
 /// The exposure of a shot that names none.
 pub const DEFAULT_EXPOSURE: f64 = 1.0;
 
-/// What a shot shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Subject {
-    /// The object whose shape is wanted.
-    #[default]
-    Object,
-    /// A neutral matte ball: gives alpha, intensity and a second direction.
-    GreySphere,
-    /// A ball of the object's own paint: gives beta.
-    MaterialSphere,
-    /// A mirror ball: gives the direction.
-    MirrorSphere,
-    /// The cap on the lens: subtracted.
-    Dark,
-    /// A uniform field: divided by.
-    FlatField,
-}
-
-impl Subject {
-    /// The kind of ball that fills this subject's shots.
-    pub fn sphere_kind(self) -> Option<SphereKind> {
-        match self {
-            Self::GreySphere => Some(SphereKind::Grey),
-            Self::MaterialSphere => Some(SphereKind::Material),
-            Self::MirrorSphere => Some(SphereKind::Mirror),
-            Self::Object | Self::Dark | Self::FlatField => None,
-        }
-    }
-}
-
-/// What a ball is made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum SphereKind {
-    /// Neutral and matte.
-    #[default]
-    Grey,
-    /// The object's own paint.
-    Material,
-    /// A mirror.
-    Mirror,
-}
-
 /// The circle of a ball in the pictures of one subject.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sphere {
-    /// Which shots it lies in; `Object` when the ball stands in the scene.
+    /// Which shots it lies in; `Object` when the ball is in the scene.
     pub subject: Subject,
     /// What the ball is made of.
     pub kind: SphereKind,
@@ -227,7 +168,7 @@ pub struct Calibration {
     pub direction: IndexMap<String, [f64; 3]>,
     /// By light: strength in the reference colour, relative to the first light.
     pub intensity: IndexMap<String, f64>,
-    /// Albedo of the grey ball in the reference colour, as its maker states it: with it the ball tells `white_light`.
+    /// Albedo of the grey ball in the reference colour, as its maker states it: with it the ball gives `white_light`.
     /// Optional in the file.
     pub grey_albedo: Option<f64>,
     /// Linear light of a white facet (albedo 1) that faces a lamp of intensity 1 in the reference colour, where it is
@@ -240,6 +181,39 @@ pub struct Calibration {
 pub struct Separation {
     /// The order m; `None` leaves the choice to [`CaptureSet::bounces`].
     pub bounces: Option<usize>,
+}
+
+/// How surfaces are recovered. Absent keys have the defaults of the program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ShapeSettings {
+    /// Names of lights that photometric stereo does without.
+    #[serde(alias = "left_out")]
+    pub leave_out: Vec<String>,
+    /// A light is in shadow below this share of the brightest light's, 0 to 1.
+    #[serde(alias = "shadow_fraction")]
+    pub shadow_share: f64,
+    /// With five or more lights, one that misses the fit by more than this share is left out, 0 to 1.
+    #[serde(alias = "outlier_fraction")]
+    pub misfit_share: f64,
+    /// How many near-light iterations there are: the depth found so far says how near each lamp is.
+    pub rounds: usize,
+    /// Half width of the window in which the noise of indirect light is averaged, in pixels; 0 for none.
+    #[serde(alias = "indirect_radius_px")]
+    pub indirect_window_px: usize,
+}
+
+impl Default for ShapeSettings {
+    fn default() -> Self {
+        let NormalsOptions { shadow_fraction, outlier_fraction } = NormalsOptions::default();
+        Self {
+            leave_out: Vec::new(),
+            shadow_share: shadow_fraction,
+            misfit_share: outlier_fraction,
+            rounds: ShapeOptions::default().rounds,
+            indirect_window_px: DenoiseOptions::default().radius_px,
+        }
+    }
 }
 
 /// Where the truth lies, for evaluation; as written in the file.

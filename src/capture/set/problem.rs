@@ -1,4 +1,4 @@
-//! What is wrong with a capture set, and where.
+//! Problems of a capture set, and where they are.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
@@ -24,12 +24,14 @@ pub enum Location {
     Calibration,
     /// `[separation]`
     Separation,
+    /// `[shape]`
+    Shape,
     /// `[truth]`
     Truth,
 }
 
 impl Location {
-    fn header(self) -> &'static str {
+    pub(super) fn header(self) -> &'static str {
         match self {
             Self::Set => "",
             Self::Camera => "[camera]",
@@ -39,6 +41,7 @@ impl Location {
             Self::Sphere(_) => "[[sphere]]",
             Self::Calibration => "[calibration]",
             Self::Separation => "[separation]",
+            Self::Shape => "[shape]",
             Self::Truth => "[truth]",
         }
     }
@@ -46,7 +49,7 @@ impl Location {
     fn index(self) -> Option<usize> {
         match self {
             Self::Colour(index) | Self::Light(index) | Self::Shot(index) | Self::Sphere(index) => Some(index),
-            Self::Set | Self::Camera | Self::Calibration | Self::Separation | Self::Truth => None,
+            Self::Set | Self::Camera | Self::Calibration | Self::Separation | Self::Shape | Self::Truth => None,
         }
     }
 }

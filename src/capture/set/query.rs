@@ -1,4 +1,4 @@
-//! What the rest of the program asks of a capture set.
+//! Questions that the rest of the program asks of a capture set.
 
 use std::path::{Path, PathBuf};
 
@@ -50,6 +50,31 @@ impl CaptureSet {
         subjects
     }
 
+    /// The set without some lights, by their names.
+    pub fn without_lights(&self, lights: &[String]) -> Self {
+        let stays = |light: &String| !lights.contains(light);
+        let mut set = self.clone();
+        set.lights.retain(|light| stays(&light.name));
+        set.shots.retain(|shot| shot.light.as_ref().is_none_or(stays));
+        set.calibration.alpha.retain(|light, _| stays(light));
+        set.calibration.direction.retain(|light, _| stays(light));
+        set.calibration.intensity.retain(|light, _| stays(light));
+        set.shape.leave_out.retain(stays);
+        set
+    }
+
+    /// The set with its reference colour alone.
+    pub fn in_one_colour(&self) -> Self {
+        let reference = self.colours.first().map(|colour| colour.name.clone());
+        let mut set = self.clone();
+        set.colours.truncate(1);
+        set.shots.retain(|shot| shot.colour.is_none() || shot.colour == reference);
+        set.calibration.beta = None;
+        set.calibration.alpha.clear();
+        set.separation = Separation::default();
+        set
+    }
+
     /// The shot of `subject` under this light in this colour.
     pub fn shot(&self, subject: Subject, light: Option<&str>, colour: Option<&str>) -> Option<&Shot> {
         self.shots_of(subject).find(|shot| shot.light.as_deref() == light && shot.colour.as_deref() == colour)
@@ -83,7 +108,7 @@ impl CaptureSet {
         files
     }
 
-    /// The circles in the pictures of `subject`; for [`Subject::Object`] those of balls that stand in the scene.
+    /// The circles in the pictures of `subject`; for [`Subject::Object`] those of balls in the scene.
     pub fn spheres_in(&self, subject: Subject) -> impl Iterator<Item = &Sphere> {
         self.spheres.iter().filter(move |sphere| sphere.subject == subject)
     }
@@ -91,6 +116,13 @@ impl CaptureSet {
     /// The circle of a ball of this kind in the pictures of `subject`.
     pub fn circle(&self, subject: Subject, kind: SphereKind) -> Option<Circle> {
         self.spheres_in(subject).find(|sphere| sphere.kind == kind).map(|sphere| sphere.circle)
+    }
+
+    /// Where a ball of this kind is seen: in shots of its own, or in the object's scene; `None` where the set has none.
+    pub fn subject_with(&self, kind: SphereKind) -> Option<Subject> {
+        let own = kind.subject();
+        let alone = self.shots_of(own).next().map(|_| own);
+        alone.or_else(|| self.circle(Subject::Object, kind).map(|_| Subject::Object))
     }
 
     /// Puts the circle of a ball, in place of one of the same subject and kind if there is one.
@@ -144,6 +176,7 @@ impl CaptureSet {
         rename_key(&mut self.calibration.alpha, &old, name);
         rename_key(&mut self.calibration.direction, &old, name);
         rename_key(&mut self.calibration.intensity, &old, name);
+        self.shape.leave_out.iter_mut().filter(|light| **light == old).for_each(|light| *light = name.to_owned());
     }
 
     /// Gives a colour another name wherever the set uses it.

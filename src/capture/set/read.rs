@@ -10,7 +10,7 @@ use toml_edit::{Document, Item, TableLike};
 use super::fields::{ENCODING, Fields, Reader, count, encoding, number, numbers, text, texts, tuple, word};
 use super::model::*;
 use super::problem::{Location, Problem, SetError};
-use super::rule::{POINT, Rule, VECTOR, one_of};
+use super::rule::{POINT, ROUNDS, Rule, VECTOR, WINDOW, one_of};
 use super::word::Word;
 
 /// The name of the file in a capture set's folder.
@@ -25,7 +25,7 @@ const LARGEST_FILE_BYTES: u64 = 32 << 20;
 /// A set as far as it could be read, and everything that is wrong with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// The set; where a value could not be read, its default stands.
+    /// The set; where a value could not be read, it has its default.
     pub set: CaptureSet,
     /// In the order of the file; empty if the set is right.
     pub problems: Vec<Problem>,
@@ -117,7 +117,7 @@ impl Reading {
     }
 }
 
-fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> CaptureSet {
+pub(super) fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> CaptureSet {
     reader.remember(Location::Set, None, Some(0..0));
     let mut fields = Fields::new(reader, root, Location::Set);
     let schema = fields.require("schema", &format!("schema = {SCHEMA}"), count).unwrap_or(SCHEMA);
@@ -138,10 +138,11 @@ fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> CaptureSet {
     let separation = part(&mut fields, "separation", Location::Separation, |fields| Separation {
         bounces: fields.get("bounces", "a whole number from 1", count),
     });
+    let shape = part(&mut fields, "shape", Location::Shape, read_shape);
     let truth = part(&mut fields, "truth", Location::Truth, read_truth);
     fields.finish();
     let folder = PathBuf::new();
-    CaptureSet { folder, name, mask, camera, colours, lights, shots, spheres, calibration, separation, truth }
+    CaptureSet { folder, name, mask, camera, colours, lights, shots, spheres, calibration, separation, shape, truth }
 }
 
 /// A `[table]`; its default where the file has none.
@@ -209,7 +210,7 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
         |item: &Item| item.as_str().filter(|word| [ORTHOGRAPHIC, PERSPECTIVE].contains(word)).map(str::to_owned);
     let perspective = match fields.item("projection") {
         None => false,
-        // Of a misspelt projection the keys tell which one was meant.
+        // Of a misspelt projection the keys show which one was meant.
         Some(_) => match fields.get("projection", &expected, known) {
             Some(word) => word == PERSPECTIVE,
             None => fields.item("focal_length_px").is_some(),
@@ -295,6 +296,18 @@ fn read_calibration(fields: &mut Fields<'_, '_>) -> Calibration {
         intensity: fields.by_light("intensity", Rule::Positive.words(), number).into_iter().collect(),
         grey_albedo: fields.get("grey_albedo", Rule::Albedo.words(), number),
         white_light: fields.get("white_light", Rule::Positive.words(), number),
+    }
+}
+
+fn read_shape(fields: &mut Fields<'_, '_>) -> ShapeSettings {
+    let defaults = ShapeSettings::default();
+    let share = Rule::Share.words();
+    ShapeSettings {
+        leave_out: fields.get("leave_out", "a list of lights' names", texts).unwrap_or_default(),
+        shadow_share: fields.get("shadow_share", share, number).unwrap_or(defaults.shadow_share),
+        misfit_share: fields.get("misfit_share", share, number).unwrap_or(defaults.misfit_share),
+        rounds: fields.get("rounds", ROUNDS, count).unwrap_or(defaults.rounds),
+        indirect_window_px: fields.get("indirect_window_px", WINDOW, count).unwrap_or(defaults.indirect_window_px),
     }
 }
 

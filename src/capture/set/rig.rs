@@ -18,20 +18,23 @@ pub struct CarriedRig {
 }
 
 impl CarriedRig {
-    /// What a person should know, a line each; the first says what was done.
+    /// Lines for the user; the first says what was done.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![match self.lights.as_slice() {
             [] => "nothing was taken over: no light of this set has the name of one of the other's".into(),
             lights => format!("taken over for {}{}", lights.join(", "), if self.beta { ", with beta" } else { "" }),
         }];
-        let mut tell = |names: &[String], what: &str| {
+        let mut report = |names: &[String], what: &str| {
             if !names.is_empty() {
                 lines.push(format!("{}: {what}", names.join(", ")));
             }
         };
-        tell(&self.unknown_lights, "a light that the other set does not know; measure or type its values");
-        tell(&self.unknown_colours, "a colour that the other set does not know; alpha and beta were left as they are");
-        tell(&self.unused_lights, "a light of the other set that this one does not have");
+        report(&self.unknown_lights, "a light that the other set does not know; measure or type its values");
+        report(
+            &self.unknown_colours,
+            "a colour that the other set does not know; alpha and beta were left as they are",
+        );
+        report(&self.unused_lights, "a light of the other set that this one does not have");
         lines
     }
 }

@@ -1,4 +1,4 @@
-//! What a value must be: the same words and the same test for the reader and for a set in memory.
+//! Rules for values: the same words and the same test for the reader and for a set in memory.
 
 /// What a number must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,6 +7,7 @@ pub(super) enum Rule {
     Positive,
     NotNegative,
     Albedo,
+    Share,
 }
 
 impl Rule {
@@ -17,6 +18,7 @@ impl Rule {
                 Self::Positive => number > 0.0,
                 Self::NotNegative => number >= 0.0,
                 Self::Albedo => number > 0.0 && number <= 1.0,
+                Self::Share => (0.0..1.0).contains(&number),
             }
     }
 
@@ -26,9 +28,17 @@ impl Rule {
             Self::Positive => "a positive number",
             Self::NotNegative => "a number that is not negative",
             Self::Albedo => "an albedo above 0 and at most 1",
+            Self::Share => "a share from 0 and below 1",
         }
     }
 }
+
+/// The most near-light iterations that a file may ask for.
+pub(super) const MAX_ROUNDS: usize = 100;
+/// What their number must be.
+pub(super) const ROUNDS: &str = "a whole number from 1 to 100";
+/// What the half width of a window must be.
+pub(super) const WINDOW: &str = "a whole number of pixels from 0 to 64";
 
 /// What a direction or a position must be.
 pub(super) const VECTOR: &str = "three numbers [x, y, z], not all zero";
@@ -49,7 +59,7 @@ pub(super) const POINT: &str = "two numbers [x, y]";
 /// Characters that some system refuses in a file name.
 const NOT_IN_FILE_NAMES: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
 
-/// Why `name` cannot stand in the name of an output file.
+/// Why `name` cannot be part of the name of an output file.
 pub(super) fn unusable_name(name: &str) -> Option<String> {
     if name.is_empty() {
         return Some("expected a name, found \"\"".into());

@@ -1,6 +1,7 @@
 //! The light x colour tables of a capture set: which photos there are, which are missing, what is wrong with each.
 
-use super::model::{CaptureSet, Shot, Subject};
+use super::model::Subject;
+use super::model::{CaptureSet, Shot};
 use super::problem::{Location, Problem};
 
 /// The table of one subject.
@@ -44,7 +45,7 @@ impl CaptureSet {
     }
 
     fn table(&self, subject: Subject, problems: &[Problem]) -> ShotTable {
-        let matte = matches!(subject, Subject::Object | Subject::GreySphere | Subject::MaterialSphere);
+        let matte = subject.is_matte();
         let named = |name: &String| Some(name.clone());
         let mut lights: Vec<_> = self.lights.iter().map(|light| named(&light.name)).collect();
         let mut columns: Vec<_> = self.colours.iter().map(|colour| named(&colour.name)).collect();

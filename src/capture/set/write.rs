@@ -14,7 +14,7 @@ use super::problem::SetError;
 use super::read::{FILE_NAME, ORTHOGRAPHIC, PERSPECTIVE, Reading, SCHEMA};
 use super::word::Word;
 
-/// What every new file says even where it is the default, so that a person who reads it need not know the defaults.
+/// Keys that every new file has even at their defaults, so that its reader need not know these.
 const NEW_FILE: &str = "schema = 1\n\n[camera]\nprojection = \"orthographic\"\nencoding = \"linear\"\n";
 
 /// Digits of a measured value: more than any measurement holds, few enough to read.
@@ -145,6 +145,7 @@ fn updated(mut document: DocumentMut, old: &Reading, set: &CaptureSet) -> String
     edit_table(&mut document, "separation", |table| {
         put_or_remove(table, "bounces", set.separation.bounces.map(|bounces| bounces as i64));
     });
+    edit_table(&mut document, "shape", |table| write_shape(table, &set.shape));
     edit_table(&mut document, "truth", |table| write_truth(table, &set.truth));
     document.to_string()
 }
@@ -234,6 +235,17 @@ fn by_light<'c, T>(
     value: impl Fn(&T) -> Value + 'c,
 ) -> impl Iterator<Item = (&'c str, Value)> {
     table.iter().map(move |(light, of_light)| (light.as_str(), value(of_light)))
+}
+
+fn write_shape(table: &mut Table, shape: &ShapeSettings) {
+    let default = ShapeSettings::default();
+    if !shape.leave_out.is_empty() || table.contains_key("leave_out") {
+        put(table, "leave_out", list(shape.leave_out.iter().map(String::as_str)));
+    }
+    put_unless_default(table, "shadow_share", shape.shadow_share, default.shadow_share);
+    put_unless_default(table, "misfit_share", shape.misfit_share, default.misfit_share);
+    put_unless_default(table, "rounds", shape.rounds as i64, default.rounds as i64);
+    put_unless_default(table, "indirect_window_px", shape.indirect_window_px as i64, default.indirect_window_px as i64);
 }
 
 fn write_truth(table: &mut Table, truth: &Truth) {

@@ -3,6 +3,7 @@
 use firstbounce_core::mesh::LengthUnit;
 use firstbounce_core::mesh::compare::{AlignOptions, DistanceOptions, align, distances};
 use firstbounce_core::{Mesh, Unwatched};
+use firstbounce_testing::bumps;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Squares along a side: two triangles each make a million.
@@ -15,21 +16,12 @@ fn main() {
 
 /// A bumpy relief of about 106 mm, its vertices shifted by `phase` of a square.
 fn relief(phase: f64) -> Mesh {
-    let side = CELLS + 1;
-    let positions = (0..side * side).map(|index| {
-        let [x, y] = [index % side, index / side].map(|k| (f64::from(k) + phase - f64::from(CELLS) / 2.0) * PITCH_MM);
-        let z = 4.0 * (x / 9.0 + 0.3).sin() * (y / 11.0).cos() + 2.0 * (x / 4.1 - y / 5.3).sin() + 0.002 * x * (x + y);
-        Point3::new(x, y, z).cast()
-    });
-    let triangles = (0..CELLS * CELLS).flat_map(|cell| {
-        let corner = cell / CELLS * side + cell % CELLS;
-        [[corner, corner + 1, corner + side + 1], [corner, corner + side + 1, corner + side]]
-    });
+    let (positions, triangles) = firstbounce_testing::relief(CELLS, PITCH_MM, phase, bumps);
     Mesh {
-        positions: positions.collect(),
+        positions: positions.into_iter().map(Point3::from).collect(),
         normals: vec![],
         colours: vec![],
-        triangles: triangles.collect(),
+        triangles,
         unit: LengthUnit::Millimetre,
     }
 }

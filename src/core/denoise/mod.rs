@@ -31,7 +31,7 @@ impl Default for DenoiseOptions {
 }
 
 /// The widest window: beyond it indirect light is not slow any more.
-const MAX_RADIUS_PX: usize = 64;
+pub const MAX_RADIUS_PX: usize = 64;
 
 impl DenoiseOptions {
     /// Whether every option is in its range.

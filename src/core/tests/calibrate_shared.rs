@@ -10,8 +10,9 @@ use firstbounce_core::interval::{Estimate, Interval};
 use firstbounce_core::sphere::{
     Ball, BallError, Circle, CircleOptions, CircleReport, View, find_circle, refine_circle,
 };
+use firstbounce_testing::shared_set;
 use nalgebra::Vector3;
-use shared_sets::{CAT_LAMPS, SETS, Set, Truth, cat_directions, cat_mirror, shared_data};
+use shared_sets::{CAT_LAMPS, SETS, Set, Truth, cat_directions, cat_mirror};
 use std::path::Path;
 
 /// True values met and missed by the 95 % intervals.
@@ -110,7 +111,7 @@ impl<'a> Rig<'a> {
 
 #[test]
 fn rendered_sets_are_calibrated_to_the_values_they_were_rendered_with() {
-    let Some(data) = shared_data() else { return };
+    let Some(data) = shared_set("") else { return };
     let mut coverage = Coverage::default();
     for set in &SETS {
         println!("{}", set.name);
@@ -186,7 +187,7 @@ fn check_intensities(rig: &Rig, coverage: &mut Coverage) {
 
 #[test]
 fn balls_are_found_without_a_click() {
-    let Some(data) = shared_data() else { return };
+    let Some(data) = shared_set("") else { return };
     for set in &SETS {
         for subject in ["grey-sphere", "material-sphere"] {
             for colour in 0..set.colours.len() {
@@ -206,7 +207,7 @@ fn balls_are_found_without_a_click() {
 
 #[test]
 fn a_mirror_ball_of_which_only_the_highlight_shows_is_not_made_up() {
-    let Some(data) = shared_data() else { return };
+    let Some(data) = shared_set("") else { return };
     for set in &SETS {
         let photos: Vec<Photo> = set.lights.iter().map(|light| set.mirror(&data, light)).collect();
         let planes: Vec<_> = photos.iter().map(|photo| &photo.linear).collect();
@@ -222,7 +223,7 @@ fn assert_near(circle: &Circle, centre_px: (f64, f64), radius_px: f64, tolerance
 
 #[test]
 fn the_photographed_mirror_ball_gives_its_circle_and_all_twelve_directions() {
-    let Some(data) = shared_data() else { return };
+    let Some(data) = shared_set("") else { return };
     let photos: Vec<Photo> = (1..=CAT_LAMPS).map(|lamp| cat_mirror(&data, lamp)).collect();
     let planes: Vec<_> = photos.iter().map(|photo| &photo.linear).collect();
     let found = find_circle(&planes, None, &CircleOptions::default()).unwrap();

@@ -2,21 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use exr::prelude::read_first_flat_layer_from_file;
 use firstbounce_core::stereo::depth::{DepthOptions, integrate};
 use firstbounce_core::{Camera, Mask, NormalMap, Plane, Projection, Unwatched};
-
-/// The folder of a capture set; `None`, and says so, where the shared data is not there.
-fn set(name: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
-    if !folder.is_dir() {
-        println!("skipped: {} is not there", folder.display());
-        return None;
-    }
-    Some(folder)
-}
+use firstbounce_testing::shared_set;
 
 /// The channels of an EXR image by the order of `names`.
 fn channels(path: &Path, names: &[&str]) -> Vec<Plane> {
@@ -57,27 +48,27 @@ fn orthographic(mm_per_pixel: f64) -> Projection {
 
 #[test]
 fn corner_blue() {
-    let Some(folder) = set("corner-blue") else { return };
+    let Some(folder) = shared_set("corner-blue") else { return };
     assert!(rmse(&errors_mm(&folder, orthographic(0.197917))) <= 0.15);
 }
 
 #[test]
 fn groove_rgb() {
-    let Some(folder) = set("groove-rgb") else { return };
+    let Some(folder) = shared_set("groove-rgb") else { return };
     assert!(rmse(&errors_mm(&folder, orthographic(0.2))) <= 0.15);
 }
 
 // The bowl is 40 mm deep and drops into its plate along a vertical rim; only the step across the rim is uncertain.
 #[test]
 fn bowl_four() {
-    let Some(folder) = set("bowl-four") else { return };
+    let Some(folder) = shared_set("bowl-four") else { return };
     assert!(rmse(&errors_mm(&folder, orthographic(0.244444))) <= 1.0);
 }
 
 // Parts of the bird bath hide others, and no normal tells how far one lies behind the other.
 #[test]
 fn birdbath_dslr() {
-    let Some(folder) = set("birdbath-dslr") else { return };
+    let Some(folder) = shared_set("birdbath-dslr") else { return };
     let projection = Projection::Perspective {
         focal_length_px: 3400.0,
         principal_point_px: (240.0, 240.0),

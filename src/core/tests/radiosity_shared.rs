@@ -1,14 +1,13 @@
 //! Bounces against an independent path tracer, on the rendered capture sets where they are at hand.
 
-use std::{
-    error::Error,
-    path::{Path, PathBuf},
-};
+use std::error::Error;
+use std::path::Path;
 
 use exr::prelude::read_first_flat_layer_from_file;
 use firstbounce_core::light::radiosity::{BounceOptions, FormFactorOptions, Patches, form_factors};
 use firstbounce_core::light::scene::{Lamp, RenderOptions, Shape, render};
 use firstbounce_core::{Camera, Plane, Projection, Unwatched};
+use firstbounce_testing::shared_set;
 use nalgebra::{Unit, Vector3};
 use serde_json::Value;
 
@@ -17,15 +16,6 @@ const REDUCTION: usize = 4;
 /// Pixels of the set along each side of a compared block: the path tracer's own noise is up to 8 % of the mean in single
 /// pixels of bounce 3, and an eighth of that in the mean of a block.
 const BLOCK: usize = 8;
-
-fn set(name: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: no {}", folder.display());
-    None
-}
 
 /// One channel of an EXR file.
 fn channel(path: &Path, name: &str) -> Result<Plane, Box<dyn Error>> {
@@ -69,7 +59,7 @@ fn mask(folder: &Path) -> Result<Plane, Box<dyn Error>> {
 }
 
 fn compare(name: &str, shape: &Shape, patches: usize, mm_per_pixel: f64) -> Result<(), Box<dyn Error>> {
-    let Some(folder) = set(name) else { return Ok(()) };
+    let Some(folder) = shared_set(name) else { return Ok(()) };
     let rig: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("truth/rig.json"))?)?;
     let number = |value: &Value| value.as_f64().expect("a number");
     let mask = mask(&folder)?;

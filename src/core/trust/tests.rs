@@ -49,7 +49,7 @@ fn clean_photos_of_two_good_colours_are_fine() {
     assert!(trust.reasons.is_empty());
 }
 
-/// SCIENCE: the gain at 0.97 is sqrt(1 + 0.97^4) / (0.97 * 0.03) = 47.
+/// METHOD.md, equation (b): the gain at 0.97 is sqrt(1 + 0.97^4) / (0.97 * 0.03) = 47.
 #[test]
 fn colours_that_see_the_paint_alike_are_not_trusted() {
     let trust = judge(&rig(&[1.0, 0.97], 0.1, 1e-4), &of_order(2)).unwrap();

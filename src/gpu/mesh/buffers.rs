@@ -1,4 +1,4 @@
-//! Meshes on the card: sent once, for as long as somebody holds them.
+//! Meshes on the card: sent once, for as long as they are in use.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -26,7 +26,7 @@ pub struct Buffers {
 }
 
 impl Buffers {
-    /// Forgets what nobody holds any more.
+    /// Drops what is no longer in use.
     pub fn tidy(&mut self) {
         self.meshes.retain(|_, (mesh, _)| mesh.strong_count() > 0);
         self.values.retain(|_, (values, _)| values.strong_count() > 0);

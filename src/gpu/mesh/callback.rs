@@ -25,7 +25,7 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// How often the picture was drawn anew.
+    /// How often the picture was redrawn.
     pub fn drawn(&self) -> u64 {
         self.drawn.load(Ordering::Relaxed)
     }

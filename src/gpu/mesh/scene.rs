@@ -1,4 +1,4 @@
-//! What a 3D view draws, as plain values: two scenes that are equal give the same picture.
+//! The scene of a 3D view, as plain values: two scenes that are equal give the same picture.
 
 use std::sync::Arc;
 
@@ -43,7 +43,7 @@ impl Shading {
         }
     }
 
-    /// The legend of the colours, where they stand for values.
+    /// The legend of the colours, where they mean values.
     pub fn legend(self) -> Option<Display> {
         match self {
             Self::Height(range) => Some(Display { map: ColourMap::Viridis, range, ..Display::default() }),

@@ -10,7 +10,7 @@ use super::{
     BallOptions, Exposure, PreparedScene, SimulateError, SimulateOptions, SimulateReport, Simulated, SimulatedTruth,
     StoredPhoto,
 };
-use firstbounce_capture::set::{self, CaptureSet, Channel, Colour, Light, Shot, Sphere, Subject};
+use firstbounce_capture::set::{self, CaptureSet, Channel, Colour, Light, Shot, Sphere, SphereKind, Subject, Word};
 
 /// Radius of a ball over the side of its picture.
 const BALL_RADIUS: f64 = 5.0 / 12.0;
@@ -149,8 +149,7 @@ impl<'a> Studio<'a> {
     }
 
     fn subjects(&self) -> Vec<Subject> {
-        let balls = [Subject::GreySphere, Subject::MaterialSphere, Subject::MirrorSphere];
-        let balls = balls.into_iter().filter(|_| self.options.balls.is_some());
+        let balls = SphereKind::ALL.iter().filter(|_| self.options.balls.is_some()).map(|kind| kind.subject());
         std::iter::once(Subject::Object).chain(balls).collect()
     }
 
@@ -297,13 +296,7 @@ fn shot(set: &CaptureSet, photo: &StoredPhoto) -> Shot {
     let light = set.lights[photo.light].name.clone();
     let colour = photo.colour.map(|c| set.colours[c].name.clone());
     let end = colour.as_ref().map_or_else(String::new, |colour| format!("-{colour}"));
-    let folder = match photo.subject {
-        Subject::GreySphere => "grey-sphere",
-        Subject::MaterialSphere => "material-sphere",
-        Subject::MirrorSphere => "mirror-sphere",
-        _ => "object",
-    };
-    let files = vec![format!("{folder}/{light}{end}.png")];
+    let files = vec![format!("{}/{light}{end}.png", photo.subject)];
     Shot { subject: photo.subject, light: Some(light), colour, files, ..Shot::default() }
 }
 

@@ -1,4 +1,4 @@
-//! The balls' circles: found by their edges, placed by a person, typed.
+//! The balls' circles: found by their edges, placed by the user, typed.
 
 use std::sync::Arc;
 
@@ -6,14 +6,14 @@ use eframe::egui::{ComboBox, RichText, Ui};
 use firstbounce_capture::set::{Circle, Sphere, SphereKind, Subject, Word};
 use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
 
-use super::{ball_title, balls_of};
-use crate::app::jobs::Task;
-use crate::app::number_field::fixed;
-use crate::app::panels::part::part;
-use crate::app::results::{Loaded, ShotName};
-use crate::app::session::Session;
-use crate::app::views::Shown;
-use crate::app::window::advice;
+use super::balls_of;
+use crate::app::base::keyed::Keyed;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{Loaded, ShotName};
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::number_field::fixed;
+use crate::app::widgets::part::part;
 
 /// A click may miss the ball by as many radii.
 const NEAR_RADII: f64 = 2.0;
@@ -31,7 +31,7 @@ pub enum Look {
 
 /// Circles on their way, and how clicks are taken.
 pub struct Balls {
-    finding: Option<(Subject, SphereKind, Task<CircleReport>)>,
+    finding: Keyed<(Subject, SphereKind), CircleReport>,
     /// Which ball a click in the object's scene means.
     pub in_scene: Option<SphereKind>,
     /// Whether a click on a ball's picture looks for its edge.
@@ -40,7 +40,7 @@ pub struct Balls {
 
 impl Default for Balls {
     fn default() -> Self {
-        Self { finding: None, in_scene: None, click_finds: true }
+        Self { finding: Keyed::default(), in_scene: None, click_finds: true }
     }
 }
 
@@ -54,7 +54,7 @@ impl Balls {
             advice(
                 ui,
                 "No ball is in this set: add photos of a grey ball, a ball of the object's paint and a mirror ball in \
-                 Captures, or type the values below. If the balls stand in the object's photos, choose which one below \
+                 Captures, or type the values below. If the balls are in the object's photos, choose which one below \
                  and click it there.",
             );
         }
@@ -68,20 +68,20 @@ impl Balls {
     /// What a click on a photo does.
     fn clicks(&mut self, ui: &mut Ui) {
         ui.checkbox(&mut self.click_finds, "A click on a ball's photo finds its edge");
-        let words = |kind: Option<SphereKind>| kind.map_or("no ball", ball_title);
+        let words = |kind: Option<SphereKind>| kind.map_or("no ball", SphereKind::title);
         ComboBox::from_label("A click in the object's photo means").selected_text(words(self.in_scene)).show_ui(
             ui,
             |ui| {
                 ui.selectable_value(&mut self.in_scene, None, "no ball");
                 for &kind in SphereKind::ALL {
-                    ui.selectable_value(&mut self.in_scene, Some(kind), ball_title(kind));
+                    ui.selectable_value(&mut self.in_scene, Some(kind), kind.title());
                 }
             },
         );
     }
 
     fn ball(&mut self, ui: &mut Ui, session: &mut Session, subject: Subject, kind: SphereKind) {
-        let title = ball_title(kind);
+        let title = kind.title();
         let document = session.document();
         let placed = document.set.circle(subject, kind);
         let circle = circle_in_force(session, subject, kind);
@@ -136,7 +136,7 @@ impl Balls {
     }
 
     fn state_of(&self, session: &Session, subject: Subject, kind: SphereKind) -> String {
-        if self.finding.as_ref().is_some_and(|(s, k, _)| (*s, *k) == (subject, kind)) {
+        if self.finding.runs(&(subject, kind)) {
             return "looking for its edge ...".into();
         }
         if session.document().set.circle(subject, kind).is_some() {
@@ -155,17 +155,14 @@ impl Balls {
             session.warn("The photos are still being read: try again in a moment");
             return;
         };
-        let name = format!("Find {}", ball_title(kind).to_lowercase());
-        let task = session.jobs.start(name, move |_| find(&loaded, subject, look).map_err(|error| error.to_string()));
-        self.finding = Some((subject, kind, task));
+        let name = format!("Find {}", kind.title().to_lowercase());
+        let task = session.jobs.start(name, move |_| find(&loaded, subject, look));
+        self.finding.start((subject, kind), task);
     }
 
     pub fn take_found(&mut self, session: &mut Session) {
-        let Some((subject, kind, task)) = &self.finding else { return };
-        let (subject, kind) = (*subject, *kind);
-        let Some(outcome) = task.poll() else { return };
-        self.finding = None;
-        let title = ball_title(kind);
+        let Some(((subject, kind), outcome)) = self.finding.take() else { return };
+        let title = kind.title();
         match outcome {
             Ok(report) => {
                 let (x, y) = report.circle.centre_px;
@@ -176,7 +173,7 @@ impl Balls {
                     circle.radius, report.sd_px
                 ));
             }
-            Err(line) => session.error(format!("{title}: {line}")),
+            Err(error) => session.error(format!("{title}: {error}")),
         }
     }
 }
@@ -198,9 +195,9 @@ fn find(loaded: &Arc<Loaded>, subject: Subject, look: Look) -> Result<CircleRepo
     }
 }
 
-/// Puts a ball's circle where a person wants it.
+/// Puts a ball's circle where the user wants it.
 pub fn move_ball(session: &mut Session, subject: Subject, kind: SphereKind, circle: Circle) {
-    let name = format!("Place {}", ball_title(kind).to_lowercase());
+    let name = format!("Place {}", kind.title().to_lowercase());
     session.edit(&name, |document| document.set.put_sphere(Sphere { subject, kind, circle }));
 }
 

@@ -5,9 +5,9 @@ use egui_plot::{Plot, VLine};
 use firstbounce_capture::pipeline::{Calibrated, RatioEvidence};
 use firstbounce_capture::set::CaptureSet;
 
-use super::ball_title;
-use crate::app::bars::Bars;
-use crate::app::window::advice;
+use crate::app::base::bars::Bars;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::bars::chart;
 
 /// Which ratio is shown.
 #[derive(Default)]
@@ -40,7 +40,7 @@ impl Histogram {
         let plot = Plot::new("ratios").height(150.0).allow_drag(false).allow_zoom(false).allow_scroll(false);
         ui.label("Pixels by their ratio to the reference colour");
         let response = plot.show(ui, |plot| {
-            plot.bar_chart(bars.chart("pixels"));
+            plot.bar_chart(chart(&bars, "pixels"));
             plot.vline(VLine::new("value", ratio.value));
         });
         let words = format!(
@@ -56,5 +56,5 @@ impl Histogram {
 fn title(set: &CaptureSet, evidence: &RatioEvidence) -> String {
     let light = set.lights.get(evidence.light).map_or("", |light| &light.name);
     let colour = set.colours.get(evidence.colour).map_or("", |colour| &colour.name);
-    format!("{}, {light}, {colour}", ball_title(evidence.ball))
+    format!("{}, {light}, {colour}", evidence.ball.title())
 }

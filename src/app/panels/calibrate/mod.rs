@@ -15,12 +15,13 @@ use eframe::egui::{RichText, Ui};
 use firstbounce_capture::pipeline::{Calibrated, Source};
 use firstbounce_capture::set::{CaptureSet, SphereKind, Subject, Word};
 
-use super::part::part;
-use super::{Over, Panel};
-use crate::app::document::Document;
-use crate::app::results::{Calibration, StageState, Step};
-use crate::app::session::Session;
-use crate::app::window::advice;
+use super::Panel;
+use crate::app::state::document::Document;
+use crate::app::state::results::{Calibration, StageState, Step};
+use crate::app::state::session::Session;
+use crate::app::views::Over;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::part::part;
 
 /// The panel.
 #[derive(Default)]
@@ -94,7 +95,7 @@ impl Calibrate {
             return kept.values.clone();
         }
         let base = measured.as_ref().or(calibration.as_ref());
-        let mut values = base.map(|base| base.calibrated.clone()).unwrap_or_default();
+        let mut values = base.map(|base| Calibrated::clone(&base.calibrated)).unwrap_or_default();
         // Strengths are measured with the directions in force, typed ones too.
         let strengths = calibration.iter().flat_map(|calibration| &calibration.calibrated.intensity);
         for (value, in_force) in values.intensity.iter_mut().zip(strengths) {
@@ -141,28 +142,7 @@ fn status(ui: &mut Ui, session: &Session) {
     ui.label(RichText::new(words).weak());
 }
 
-/// "Grey ball"
-fn ball_title(kind: SphereKind) -> &'static str {
-    match kind {
-        SphereKind::Grey => "Grey ball",
-        SphereKind::Material => "Ball of the paint",
-        SphereKind::Mirror => "Mirror ball",
-    }
-}
-
-/// The shots that a ball of this kind fills by itself.
-fn own_subject(kind: SphereKind) -> Subject {
-    Subject::ALL.iter().copied().find(|subject| subject.sphere_kind() == Some(kind)).unwrap_or(Subject::Object)
-}
-
 /// Where each ball of the set is seen: in shots of its own, or in the object's scene.
 fn balls_of(set: &CaptureSet) -> Vec<(Subject, SphereKind)> {
-    SphereKind::ALL
-        .iter()
-        .filter_map(|&kind| {
-            let own = own_subject(kind);
-            let alone = set.shots_of(own).next().is_some().then_some((own, kind));
-            alone.or_else(|| set.circle(Subject::Object, kind).map(|_| (Subject::Object, kind)))
-        })
-        .collect()
+    SphereKind::ALL.iter().filter_map(|&kind| Some((set.subject_with(kind)?, kind))).collect()
 }

@@ -1,13 +1,13 @@
-//! What the panel draws over a photo of a ball: its pixels, its circle with handles, its highlights.
+//! The overlay of a ball's photo: its pixels, its circle with handles, its highlights.
 
 use eframe::egui::{Color32, EventFilter, Key, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
 use firstbounce_capture::set::{Circle, SphereKind, Subject};
 
+use super::Calibrate;
 use super::balls::{Look, circle_in_force, move_ball};
-use super::{Calibrate, ball_title};
-use crate::app::panels::Over;
-use crate::app::session::Session;
-use crate::app::views::Shown;
+use crate::app::state::layout::Shown;
+use crate::app::state::session::Session;
+use crate::app::views::Over;
 
 const HANDLE_SIDE: f32 = 14.0;
 const CIRCLE: Color32 = Color32::from_rgb(255, 214, 64);
@@ -44,7 +44,7 @@ fn kinds_in_scene(session: &Session) -> Vec<SphereKind> {
     session.document().set.spheres_in(Subject::Object).map(|sphere| sphere.kind).collect()
 }
 
-/// Draws a circle and moves it as a person wants; whether a handle has the pointer.
+/// Draws a circle and moves it as the user wants; whether a handle has the pointer.
 fn edit_circle(
     panel: &mut Calibrate,
     ui: &mut Ui,
@@ -60,7 +60,7 @@ fn edit_circle(
     painter.circle_stroke(centre, rim.x - centre.x, Stroke::new(3.0, Color32::from_black_alpha(120)));
     painter.circle_stroke(centre, rim.x - centre.x, Stroke::new(1.5, CIRCLE));
 
-    let title = ball_title(kind);
+    let title = kind.title();
     let id = over.canvas.response.id.with(title);
     let mut moved = circle;
     let mut busy = false;

@@ -7,9 +7,9 @@ use firstbounce_capture::pipeline::Calibrated;
 use firstbounce_capture::set::{CaptureSet, SphereKind};
 use firstbounce_core::calibrate::{BallPixels, PixelCounts, PixelUse};
 
-use crate::app::panels::Over;
-use crate::app::results::{Calibration, ShotName};
-use crate::app::session::Session;
+use crate::app::state::results::{Calibration, ShotName};
+use crate::app::state::session::Session;
+use crate::app::views::Over;
 
 /// The longest side of a tint's texture; larger balls are shown coarser.
 const MAX_SIDE: usize = 2048;
@@ -25,7 +25,7 @@ struct Made {
     /// The calibration is held: another one cannot come to lie in its place.
     of: Arc<Calibration>,
     ball: (ShotName, SphereKind),
-    /// Whether a view shows it: the legend tells of those.
+    /// Whether a view shows it: the legend names those.
     is_seen: bool,
     texture: TextureHandle,
     /// Of the square of the photo: left, top, width, height in pixels.

@@ -5,12 +5,12 @@ use firstbounce_capture::pipeline::{Calibrated, Known, Source, Verdict};
 use firstbounce_capture::set::CaptureSet;
 use firstbounce_core::trust::Level;
 
-use crate::app::number_field::fixed;
-use crate::app::panels::part::part;
-use crate::app::session::Session;
-use crate::app::theme;
+use crate::app::state::session::Session;
+use crate::app::widgets::number_field::fixed;
+use crate::app::widgets::part::part;
+use crate::app::widgets::theme;
 
-/// What a person did to a value.
+/// A change of a value by the user.
 enum Change<T> {
     Typed(T),
     BackToMeasured,
@@ -130,7 +130,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
     ui.horizontal_wrapped(|ui| {
         ui.label("direction").on_hover_text("To the light: x right, y up, z toward the camera; of any length");
         if old.is_none() {
-            ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
+            ui.label(RichText::new("unknown").color(ui.visuals().error_fg_color));
         }
         for (axis, number) in ["x", "y", "z"].into_iter().zip(&mut new) {
             field(ui, number, f64::NEG_INFINITY, &format!("{label}, {axis}"));
@@ -170,7 +170,7 @@ fn number(
     ui.horizontal_wrapped(|ui| {
         ui.label(shown).on_hover_text(meaning);
         if known.is_none() {
-            ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
+            ui.label(RichText::new("unknown").color(ui.visuals().error_fg_color));
         }
         if field(ui, &mut value, 1e-6, label) {
             change = Some(Change::Typed(value));
@@ -221,7 +221,7 @@ fn field(ui: &mut Ui, number: &mut f64, least: f64, name: &str) -> bool {
 
 fn colour(ui: &Ui, level: Level) -> Color32 {
     match level {
-        Level::Fine => theme::good(ui.visuals()),
+        Level::Fine => theme::fine(ui.visuals()),
         Level::TakeCare => ui.visuals().warn_fg_color,
         Level::DoNotTrust => ui.visuals().error_fg_color,
     }

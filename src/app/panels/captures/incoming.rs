@@ -1,19 +1,18 @@
-//! Files on their way into the set: what each becomes by the pattern, and what a person makes of the others.
+//! Incoming files: what each becomes by the pattern, and what the user assigns the others to.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{Button, ComboBox, Key, PopupCloseBehavior, RichText, Role, TextEdit, Ui, WidgetInfo};
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::set::{Became, GuessOptions, Pattern, Subject, Word, add_files, assign, propose};
+use firstbounce_capture::set::{Became, GuessOptions, Naming, Pattern, Subject, Word, add_files, assign, propose};
 
 use super::in_order::InOrder;
-use super::table::subject_title;
-use crate::app::name_field::name_field;
-use crate::app::panels::part::part;
-use crate::app::session::Session;
+use crate::app::state::session::Session;
+use crate::app::widgets::name_field::name_field;
+use crate::app::widgets::part::part;
 
-/// Files that a person dropped, before they are the set's.
+/// Files that the user dropped, before they are the set's.
 pub struct Incoming {
     files: Vec<PathBuf>,
     pattern: String,
@@ -23,7 +22,7 @@ pub struct Incoming {
     in_order: Option<InOrder>,
 }
 
-/// What a person says that a file is.
+/// The user's assignment of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Hand {
     subject: Subject,
@@ -81,12 +80,12 @@ impl Incoming {
                 self.files.retain(|_| kept.next().unwrap_or(false));
                 done = self.files.is_empty();
             }
-            done |= ui.button("Leave these files out").clicked();
+            done |= ui.button("Discard").clicked();
         });
         let unassigned = previews.len() - assigned;
         if unassigned > 0 {
-            let words = if unassigned == 1 { "does not say what it is" } else { "do not say what they are" };
-            ui.label(format!("{} {words}: change the pattern, or say it below.", count_of(unassigned)));
+            let words = if unassigned == 1 { "is not recognised" } else { "are not recognised" };
+            ui.label(format!("{} {words}: change the pattern, or assign them below.", count_of(unassigned)));
             part(ui, "in order", |ui| self.order(ui, &document.set, &previews));
         }
         for (index, preview) in previews.iter().enumerate() {
@@ -169,7 +168,7 @@ impl Incoming {
         let before = hand.clone();
         ui.horizontal_wrapped(|ui| {
             subject_box(ui, &format!("Subject of {shown}"), &mut hand.subject);
-            if hand.subject != Subject::Dark {
+            if hand.subject.light() != Naming::Refused {
                 let lights = set.lights.iter().map(|light| light.name.as_str()).chain(self.typed(|hand| &hand.light));
                 name_box(ui, &format!("Light of {shown}"), &mut hand.light, lights);
                 let colours =
@@ -209,15 +208,13 @@ fn count_of(files: usize) -> String {
 
 fn by_hand(set: &mut CaptureSet, file: &Path, hand: &Hand) -> Preview {
     let given = |name: &String| Some(name.trim().to_owned()).filter(|name| !name.is_empty());
-    let (light, colour) = match hand.subject {
-        Subject::Dark => (None, None),
-        _ => (given(&hand.light), given(&hand.colour)),
-    };
-    let matte = matches!(hand.subject, Subject::Object | Subject::GreySphere | Subject::MaterialSphere);
-    if light.is_none() && (matte || hand.subject == Subject::MirrorSphere) {
+    let (subject, refused) = (hand.subject, Naming::Refused);
+    let light = given(&hand.light).filter(|_| subject.light() != refused);
+    let colour = given(&hand.colour).filter(|_| subject.colour() != refused);
+    if light.is_none() && subject.light() == Naming::Required {
         return Preview::Unassigned("choose a light".into());
     }
-    if matte && colour.is_none() {
+    if colour.is_none() && subject.colour() == Naming::Required {
         return Preview::Unassigned("choose a colour".into());
     }
     let index = assign(set, file, hand.subject, light.as_deref(), colour.as_deref());
@@ -235,13 +232,13 @@ fn described(set: &CaptureSet, shots: &[usize]) -> String {
 
 /// A choice of what a file shows.
 pub fn subject_box(ui: &mut Ui, label: &str, subject: &mut Subject) {
-    let title = subject_title(*subject);
+    let title = subject.title();
     let shown = ComboBox::from_id_salt(label).width(90.0).selected_text(title).show_ui(ui, |ui| {
         for &choice in Subject::ALL {
-            ui.selectable_value(subject, choice, subject_title(choice));
+            ui.selectable_value(subject, choice, choice.title());
         }
     });
-    let title = subject_title(*subject);
+    let title = subject.title();
     shown.response.widget_info(|| {
         let mut info = WidgetInfo::labeled(Role::ComboBox, true, label);
         info.current_text_value = Some(title.to_owned());

@@ -11,19 +11,19 @@ use firstbounce_capture::set::Subject;
 use firstbounce_core::Mask;
 use firstbounce_core::image::mask::Combine;
 
-use crate::app::dialogs::Choose;
-use crate::app::panels::Over;
-use crate::app::path_field::PathField;
-use crate::app::results::ShotName;
-use crate::app::session::Session;
-use crate::app::views::Shown;
+use crate::app::base::dialogs::Choose;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::ShotName;
+use crate::app::state::session::Session;
+use crate::app::views::Over;
+use crate::app::widgets::path_field::PathField;
 
 /// The longest side of the tint that shows the draft; larger masks are shown coarser.
 const MAX_SIDE: usize = 1024;
 const INSIDE: Color32 = Color32::from_rgba_premultiplied(20, 70, 90, 90);
 const LINE: Color32 = Color32::from_rgb(80, 220, 255);
 /// Strokes that can be taken back.
-const MOST_STROKES: usize = 32;
+const MAX_STROKES: usize = 32;
 
 /// How a mask is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,10 +74,10 @@ impl MaskPart {
         ui.label(RichText::new("Mask: which pixels are the object").strong());
         ui.label(match &document.set.mask {
             Some(file) => file.clone(),
-            None => "none: the brighter part of the photos is taken".into(),
+            None => "none: the brighter part of the photos is used".into(),
         });
-        if document.set.mask.is_some() && ui.button("Do without a mask").clicked() {
-            session.edit("Do without a mask", |document| document.set.mask = None);
+        if document.set.mask.is_some() && ui.button("Remove the mask").clicked() {
+            session.edit("Remove the mask", |document| document.set.mask = None);
         }
         let dialogs = session.dialogs();
         let chosen = self.path.ui(ui, "Mask file", Choose::Pictures, &dialogs, &mut session.jobs);
@@ -241,7 +241,7 @@ impl MaskPart {
 
 impl Draft {
     fn change(&mut self, change: impl FnOnce(&mut Mask)) {
-        if self.before.len() == MOST_STROKES {
+        if self.before.len() == MAX_STROKES {
             self.before.remove(0);
         }
         self.before.push(self.mask.clone());

@@ -14,14 +14,15 @@ use eframe::egui::{RichText, Ui};
 use firstbounce_capture::image_file::{Format, pictures_in};
 use firstbounce_capture::set::Location;
 
-use super::part::part;
-use super::{Over, Panel};
-use crate::app::dialogs::Choose;
-use crate::app::path_field::PathField;
-use crate::app::results::{ShotName, StageState, Step};
-use crate::app::session::Session;
-use crate::app::views::Shown;
-use crate::app::window::advice;
+use super::Panel;
+use crate::app::base::dialogs::Choose;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{ShotName, StageState, Step};
+use crate::app::state::session::Session;
+use crate::app::views::Over;
+use crate::app::widgets::advice::advice;
+use crate::app::widgets::part::part;
+use crate::app::widgets::path_field::PathField;
 
 /// The panel.
 #[derive(Default)]
@@ -72,15 +73,16 @@ impl Panel for Captures {
 impl Captures {
     /// Files and folders that were dropped on the window, or chosen in a dialog.
     pub fn dropped(&mut self, paths: Vec<PathBuf>, session: &mut Session) {
-        let (files, others): (Vec<_>, Vec<_>) = pictures_in(&paths).into_iter().partition(|file| may_be_picture(file));
-        const READ: &str = "PNG, TIFF, EXR, JPEG, HDR and PFM files are read";
+        let (files, others): (Vec<_>, Vec<_>) =
+            pictures_in(&paths).into_iter().partition(|file| Format::of_name(file).is_some());
+        let read = format!("{} files are read", Format::names());
         if files.is_empty() {
-            session.warn(format!("There is no picture in what was dropped: {READ}"));
+            session.warn(format!("There is no picture in what was dropped: {read}"));
             return;
         }
         if let Some(first) = others.first() {
             let more = if others.len() > 1 { format!(" and {} more", others.len() - 1) } else { String::new() };
-            session.warn(format!("{}{more}: left out, {READ}", first.display()));
+            session.warn(format!("{}{more}: left out, {read}", first.display()));
         }
         match &mut self.incoming {
             Some(incoming) => incoming.take_more(files),
@@ -106,13 +108,7 @@ impl Captures {
     }
 }
 
-/// By the end of its name: what it holds is found out when it is read.
-fn may_be_picture(file: &Path) -> bool {
-    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    Format::ALL.iter().any(|format| format.extensions().contains(&ending.as_str()))
-}
-
-/// What is wrong with the set and stands in no cell of the tables.
+/// Problems of the set that belong to no cell of the tables.
 fn problems(ui: &mut Ui, session: &Session) {
     let document = session.document();
     let in_cells = |location| matches!(location, Location::Shot(_));

@@ -3,8 +3,8 @@
 use eframe::egui::{Button, ComboBox, Role, TextEdit, Ui, WidgetInfo};
 use firstbounce_capture::set::{CaptureSet, Channel, Word};
 
-use crate::app::name_field::{NameField, name_field};
-use crate::app::session::Session;
+use crate::app::state::session::Session;
+use crate::app::widgets::name_field::{NameField, name_field};
 
 /// Names to change, channels to choose, and what no shot uses to take away.
 pub fn ui(ui: &mut Ui, session: &mut Session) {
@@ -71,15 +71,10 @@ fn named(ui: &mut Ui, what: &str, index: usize, name: &str, used: bool) -> Optio
 
 fn rename_light(session: &mut Session, index: usize, name: &str) {
     let document = session.document();
-    let Some(old) = document.set.lights.get(index).map(|light| light.name.clone()) else { return };
     if document.set.light_index(name).is_some() {
         return session.error(format!("There is a light \"{name}\" already: choose another name"));
     }
-    session.edit("Rename light", |document| {
-        document.set.rename_light(index, name);
-        let left_out = &mut document.settings.shape.left_out;
-        left_out.iter_mut().filter(|light| **light == old).for_each(|light| *light = name.to_owned());
-    });
+    session.edit("Rename light", |document| document.set.rename_light(index, name));
 }
 
 fn rename_colour(session: &mut Session, index: usize, name: &str) {
@@ -104,6 +99,7 @@ fn remove_light(set: &mut CaptureSet, index: usize) {
     set.calibration.alpha.shift_remove(&light.name);
     set.calibration.direction.shift_remove(&light.name);
     set.calibration.intensity.shift_remove(&light.name);
+    set.shape.leave_out.retain(|other| *other != light.name);
 }
 
 /// Puts a colour first. Given ratios count by the reference colour: they are carried over to the new one.

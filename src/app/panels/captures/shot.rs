@@ -4,12 +4,12 @@ use eframe::egui::{ComboBox, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::set::{Encoding, Shot};
 
 use super::incoming::{name_box, subject_box};
-use crate::app::number_field::up_to;
-use crate::app::results::ShotName;
-use crate::app::session::Session;
-use crate::app::views::Shown;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::ShotName;
+use crate::app::state::session::Session;
+use crate::app::widgets::number_field::up_to;
 
-/// Everything about one shot that a person may change.
+/// Everything about one shot that the user may change.
 pub fn ui(ui: &mut Ui, session: &mut Session, name: &ShotName, selected: &mut Option<ShotName>) {
     let document = session.document();
     let Some(index) = document.set.shots.iter().position(|shot| ShotName::of(shot) == *name) else {

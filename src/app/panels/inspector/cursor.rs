@@ -4,10 +4,11 @@ use eframe::egui::{CollapsingHeader, DragValue, Grid, Ui};
 use firstbounce_capture::set::Subject;
 
 use super::number;
-use crate::app::document::Document;
-use crate::app::session::Session;
-use crate::app::views::{Hover, Shown, entries, picture, unit_of};
-use crate::app::window::advice;
+use crate::app::state::document::Document;
+use crate::app::state::layout::{Hover, Shown};
+use crate::app::state::session::Session;
+use crate::app::views::{entries, picture, unit_of};
+use crate::app::widgets::advice::advice;
 
 /// The pixel that is looked at: the one under the pointer last, unless it is held.
 #[derive(Default)]

@@ -4,10 +4,11 @@ use eframe::egui::{RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Legend, Line, Plot};
 
 use super::number;
-use crate::app::document::Document;
-use crate::app::session::Session;
-use crate::app::views::{Shown, picker, picture};
-use crate::app::window::advice;
+use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
+use crate::app::state::session::Session;
+use crate::app::views::{picker, picture};
+use crate::app::widgets::advice::advice;
 
 const HEIGHT: f32 = 180.0;
 

@@ -1,4 +1,4 @@
-//! What is under the cursor, in a region and along a line, in numbers.
+//! The inspector: numbers under the cursor, in a region and along a line.
 
 mod cursor;
 mod histogram;
@@ -10,10 +10,12 @@ mod tool;
 use eframe::egui::{CollapsingHeader, Ui};
 use firstbounce_capture::set::Subject;
 
-use super::{Over, Panel};
-use crate::app::session::Session;
-use crate::app::views::{Shown, picture};
-use crate::app::window::advice;
+use super::Panel;
+use crate::app::state::layout::Shown;
+use crate::app::state::session::Session;
+use crate::app::views::Over;
+use crate::app::views::picture;
+use crate::app::widgets::advice::advice;
 
 /// The panel.
 #[derive(Default)]
@@ -42,7 +44,7 @@ impl Panel for Inspector {
                 let line = self.tool.line(shown.subject());
                 section(ui, "Profile along the line", |ui| self.line.ui(ui, &shown, line, &document, session));
             }
-            Err(line) => advice(ui, &line),
+            Err(error) => advice(ui, &error.to_string()),
         }
     }
 

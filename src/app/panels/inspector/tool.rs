@@ -1,13 +1,13 @@
-//! What a person draws on pictures to measure: a rectangle, a lasso, a line. By pointer, or by typed corners.
+//! Measuring tools drawn on pictures: a rectangle, a lasso, a line. By pointer, or by typed corners.
 
 use eframe::egui::{Color32, Painter, Pos2, RichText, Stroke, Ui};
 use firstbounce_capture::set::Subject;
 use firstbounce_core::image::statistics::Region;
 
 use super::OnSubject;
-use crate::app::canvas::Transform;
-use crate::app::number_field::up_to;
-use crate::app::panels::Over;
+use crate::app::views::Over;
+use crate::app::views::canvas::Transform;
+use crate::app::widgets::number_field::up_to;
 
 /// What dragging on a picture draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,9 +2,9 @@
 
 use eframe::egui::{Grid, RichText, Ui};
 
-use crate::app::document::Document;
-use crate::app::number_field::fixed;
-use crate::app::session::Session;
+use crate::app::state::document::Document;
+use crate::app::state::session::Session;
+use crate::app::widgets::number_field::fixed;
 
 pub fn ui(ui: &mut Ui, document: &Document, session: &mut Session) {
     let set = &document.set;

@@ -4,8 +4,8 @@ use eframe::egui::{Align2, RichText, Role, Ui, Vec2b, WidgetInfo};
 use egui_plot::{HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, Points, Text, VLine};
 use firstbounce_core::trust::{ColourPair, TrustOptions, gain_of_ratio, pairs};
 
-use crate::app::document::Document;
-use crate::app::session::Session;
+use crate::app::state::document::Document;
+use crate::app::state::session::Session;
 
 /// Larger gains lie beyond the plot: what counts is where the curve leaves it.
 const LARGEST_GAIN: f64 = 32.0;

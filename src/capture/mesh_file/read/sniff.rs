@@ -20,6 +20,9 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
+    /// The extensions of all.
+    pub const EXTENSIONS: [&'static str; 3] = ["obj", "ply", "stl"];
+
     /// The extension that such a file should have.
     pub fn extension(self) -> &'static str {
         match self {

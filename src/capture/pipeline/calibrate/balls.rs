@@ -6,45 +6,30 @@ use firstbounce_core::sphere::{Ball, Circle, CircleOptions, View, find_circle};
 use firstbounce_core::{Photo, Plane};
 use indexmap::IndexMap;
 
-use super::super::{PipelineError, PipelineWatch, SubjectPhotos, load_subject};
+use super::super::{PhotoStore, PipelineError, PipelineWatch, SubjectPhotos, load_subject};
 use super::{BallCircle, Preference};
 use crate::set::{self, CaptureSet, Projection, Sphere, SphereKind, Subject};
 
 /// Standard deviation of a circle that the file gives, in pixels: the program wrote it, or a person snapped it to the edge.
 const GIVEN_CIRCLE_SD_PX: f64 = 0.1;
 
-/// The photos of a set's balls in linear light. Who calibrates again and again, with another circle or another typed value,
-/// keeps them: every file is read once.
-#[derive(Clone, Debug, Default)]
-pub struct BallPhotos {
-    by_subject: IndexMap<Subject, Arc<SubjectPhotos>>,
-}
+/// The photos of the balls that a calibration needs.
+pub(super) struct BallPhotos(IndexMap<Subject, Arc<SubjectPhotos>>);
 
 impl BallPhotos {
-    /// Puts in the photos of a subject that were read already.
-    pub fn put(&mut self, subject: Subject, photos: Arc<SubjectPhotos>) {
-        self.by_subject.insert(subject, photos);
-    }
-
-    /// The photos of a subject, if they were read.
-    pub fn of(&self, subject: Subject) -> Option<&Arc<SubjectPhotos>> {
-        self.by_subject.get(&subject)
-    }
-
-    /// Reads what a calibration needs and is not here yet.
-    pub fn load_missing(
-        &mut self,
+    pub fn load(
         set: &CaptureSet,
         preference: Preference,
+        store: &PhotoStore,
         watch: &dyn PipelineWatch,
-    ) -> Result<(), PipelineError> {
-        for kind in needed(set, preference) {
-            let Some(subject) = subject_with(set, kind).filter(|subject| !self.by_subject.contains_key(subject)) else {
-                continue;
-            };
-            self.put(subject, Arc::new(load_subject(set, subject, watch)?));
+    ) -> Result<Self, PipelineError> {
+        let mut photos = IndexMap::new();
+        for subject in needed(set, preference).into_iter().filter_map(|kind| set.subject_with(kind)) {
+            if !photos.contains_key(&subject) {
+                photos.insert(subject, Arc::new(load_subject(set, subject, store, watch)?));
+            }
         }
-        Ok(())
+        Ok(Self(photos))
     }
 }
 
@@ -65,13 +50,6 @@ pub(super) fn needed(set: &CaptureSet, preference: Preference) -> Vec<SphereKind
     balls.into_iter().filter(|(needed, _)| *needed).map(|(_, kind)| kind).collect()
 }
 
-/// Where a ball is seen: in shots of its own, or in the object's scene; `None` where the set has none.
-fn subject_with(set: &CaptureSet, kind: SphereKind) -> Option<Subject> {
-    let own = subject_of(kind);
-    let alone = set.shots_of(own).next().is_some().then_some(own);
-    alone.or_else(|| set.circle(Subject::Object, kind).map(|_| Subject::Object))
-}
-
 /// A ball, its photos and its circle.
 pub(super) struct BallShots {
     pub kind: SphereKind,
@@ -86,7 +64,7 @@ pub(super) struct BallShots {
 impl BallShots {
     /// The ball of this kind among the photos that were read; `None` where the set has none.
     pub fn among(photos: &BallPhotos, set: &CaptureSet, kind: SphereKind) -> Result<Option<Self>, PipelineError> {
-        let ball = subject_with(set, kind).and_then(|subject| Some((subject, photos.of(subject)?.clone())));
+        let ball = set.subject_with(kind).and_then(|subject| Some((subject, photos.0.get(&subject)?.clone())));
         let Some((subject, photos)) = ball else { return Ok(None) };
         let size = photos.all().next().map_or((0, 0), |photo| photo.linear.size());
         let circle = match set.circle(subject, kind) {
@@ -144,14 +122,6 @@ fn find(photos: &SubjectPhotos, subject: Subject, kind: SphereKind) -> Result<Ba
     let (x, y) = found.circle.centre_px;
     let circle = set::Circle { centre: [x, y], radius: found.circle.radius_px };
     Ok(BallCircle { sphere: Sphere { subject, kind, circle }, found: Some(found) })
-}
-
-fn subject_of(kind: SphereKind) -> Subject {
-    match kind {
-        SphereKind::Grey => Subject::GreySphere,
-        SphereKind::Material => Subject::MaterialSphere,
-        SphereKind::Mirror => Subject::MirrorSphere,
-    }
 }
 
 /// How the camera sees a ball whose pictures have this size. Pictures that do not hold the optical axis are cut-outs from

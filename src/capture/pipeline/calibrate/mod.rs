@@ -9,10 +9,11 @@ use firstbounce_core::calibrate::{BallPixels, Highlight, HighlightReport, RatioR
 use firstbounce_core::interval::Estimate;
 use firstbounce_core::sphere::CircleReport;
 
-use super::{PipelineError, PipelineWatch, Stage};
+use balls::BallPhotos;
+
+use super::{PhotoStore, PipelineError, PipelineWatch, Stage};
 use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
 
-pub use balls::BallPhotos;
 pub use verdict::{DirectionDoubt, Evidence, Verdict};
 
 /// Where a value comes from.
@@ -34,6 +35,8 @@ pub enum Source {
     Shading,
     /// Mirror ball and shading, which agree.
     MirrorAndShading,
+    /// What a rendered set knows of itself.
+    Truth,
     /// Nothing: an assumption, named in a warning.
     Assumed,
 }
@@ -50,6 +53,7 @@ impl Source {
             Self::MirrorBall => "mirror ball",
             Self::Shading => "grey ball's shading",
             Self::MirrorAndShading => "mirror ball and grey ball's shading",
+            Self::Truth => "the set's truth",
             Self::Assumed => "assumed",
         }
     }
@@ -223,24 +227,29 @@ pub fn calibrate(
     preference: Preference,
     watch: &dyn PipelineWatch,
 ) -> Result<Calibrated, PipelineError> {
-    let mut photos = BallPhotos::default();
-    photos.load_missing(set, preference, watch)?;
-    watch.progress(Stage::Calibrate, 0.5);
-    calibrate_on(set, preference, &photos)
+    calibrate_with(set, preference, &PhotoStore::default(), watch)
 }
 
-/// The same on photos of the balls that were read before.
-pub fn calibrate_on(
+/// The same with photos that are kept.
+pub fn calibrate_with(
     set: &CaptureSet,
     preference: Preference,
-    photos: &BallPhotos,
+    store: &PhotoStore,
+    watch: &dyn PipelineWatch,
 ) -> Result<Calibrated, PipelineError> {
-    measure::Measuring::new(set, preference, photos)?.run()
+    let photos = BallPhotos::load(set, preference, store, watch)?;
+    watch.progress(Stage::Calibrate, 0.5);
+    measure::Measuring::new(set, preference, &photos)?.run()
 }
 
 /// Calibrates a set for the separation of `bounces` bounces, and makes sure that its colours can tell them apart.
-pub fn calibrate_for(set: &CaptureSet, bounces: usize, watch: &dyn PipelineWatch) -> Result<Calibrated, PipelineError> {
-    let calibrated = calibrate(set, Preference::File, watch)?;
+pub fn calibrate_for(
+    set: &CaptureSet,
+    bounces: usize,
+    store: &PhotoStore,
+    watch: &dyn PipelineWatch,
+) -> Result<Calibrated, PipelineError> {
+    let calibrated = calibrate_with(set, Preference::File, store, watch)?;
     let beta = calibrated.beta_values()?;
     if bounces > 1
         && let Some(problem) = set.check_beta_distances(&beta).into_iter().next()

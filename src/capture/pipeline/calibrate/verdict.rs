@@ -142,8 +142,8 @@ impl Verdict {
 }
 
 impl Calibrated {
-    /// Of alpha of colour `c` under light `l`: an error of alpha moves bounce 1 by as much over 1 - beta (the inverse of a
-    /// 2 x 2 Vandermonde system).
+    /// Of alpha of colour `c` under light `l`: an error of alpha moves bounce 1 by as much over 1 - beta (METHOD.md: the
+    /// inverse of a 2 x 2 Vandermonde system).
     pub fn judge_alpha(&self, l: usize, c: usize) -> Option<Verdict> {
         let known = self.alpha.get(l)?.as_ref()?.get(c)?;
         let beta = self.beta.as_ref().and_then(|beta| beta.get(c)).map(|known| known.value);

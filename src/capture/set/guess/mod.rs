@@ -1,4 +1,4 @@
-//! Subject, light and colour from the names of files, by a pattern that a person can see and change.
+//! Subject, light and colour from the names of files, by a pattern that the user can see and change.
 
 mod pattern;
 mod propose;
@@ -10,7 +10,8 @@ use std::path::Path;
 pub use pattern::{Guess, Pattern, PatternError};
 pub use propose::propose;
 
-use super::model::{CaptureSet, Channel, Colour, Shot, Subject};
+use super::model::{CaptureSet, Channel, Colour, Shot};
+use super::subject::{Naming, Subject};
 
 /// How files become shots.
 #[derive(Clone, Debug)]
@@ -32,8 +33,8 @@ pub enum Became {
     Unassigned(String),
 }
 
-/// Makes shots of files and adds them to a set, with the lights and colours that they name; tells for each file what it
-/// became. A dark frame or flat field that its name alone tells is one, unless the pattern tells subjects. A file that the
+/// Makes shots of files and adds them to a set, with the lights and colours that they name; reports for each file what it
+/// became. A dark frame or flat field that its name alone shows is one, unless the pattern names subjects. A file that the
 /// set already names in the same shot is not added twice.
 pub fn add_files<P: AsRef<Path>>(set: &mut CaptureSet, files: &[P], options: &GuessOptions) -> Vec<Became> {
     let mut add = |file: &Path| {
@@ -50,15 +51,12 @@ pub fn add_files<P: AsRef<Path>>(set: &mut CaptureSet, files: &[P], options: &Gu
 
 fn add_file(set: &mut CaptureSet, file: &Path, guess: &Guess, options: &GuessOptions) -> Became {
     let subject = guess.subject.unwrap_or(options.subject);
-    let (light, colour) = match subject {
-        Subject::Dark => (None, None),
-        _ => (guess.light.as_deref(), guess.colour.as_deref()),
-    };
-    let matte = matches!(subject, Subject::Object | Subject::GreySphere | Subject::MaterialSphere);
-    if light.is_none() && (matte || subject == Subject::MirrorSphere) {
+    let light = guess.light.as_deref().filter(|_| subject.light() != Naming::Refused);
+    let colour = guess.colour.as_deref().filter(|_| subject.colour() != Naming::Refused);
+    if light.is_none() && subject.light() == Naming::Required {
         return Became::Unassigned(format!("a photo of {subject} needs a light"));
     }
-    if matte && colour.is_none() {
+    if colour.is_none() && subject.colour() == Naming::Required {
         if !options.rgb {
             return Became::Unassigned(format!("a photo of {subject} needs a colour"));
         }

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use regex::{Captures, Regex, RegexBuilder};
 use thiserror::Error;
 
-use super::super::model::Subject;
+use super::super::subject::Subject;
 use super::super::word::Word;
 
 /// How the names of files are built: text with the fields `{subject}`, `{light}`, `{colour}`, `{repeat}` and `{any}`, and
@@ -24,7 +24,7 @@ pub struct Pattern {
     readings: [Regex; 2],
 }
 
-/// What a name may tell.
+/// The fields of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Field {
     Subject,
@@ -34,7 +34,7 @@ enum Field {
     Any,
 }
 
-/// What a file's name tells.
+/// What a file's name says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Guess {
     /// What it shows; `None` where the pattern does not say.
@@ -54,7 +54,7 @@ pub enum PatternError {
     #[error("unknown field {{{0}}}: there are {{subject}}, {{light}}, {{colour}}, {{repeat}} and {{any}}")]
     UnknownField(String),
     /// The same field twice.
-    #[error("{{{0}}} stands in the pattern twice")]
+    #[error("{{{0}}} is in the pattern twice")]
     Twice(&'static str),
     /// A brace or bracket without its partner.
     #[error("a \"{0}\" without its partner")]
@@ -62,26 +62,10 @@ pub enum PatternError {
     /// Brackets within brackets, or a slash within them.
     #[error("brackets can hold neither brackets nor a slash")]
     Nested,
-    /// It tells nothing.
+    /// It says nothing.
     #[error("a pattern needs {{subject}}, {{light}} or {{colour}}")]
     NoField,
 }
-
-/// Words for subjects beside those of the file format.
-const SUBJECT_WORDS: &[(Subject, &[&str])] = &[
-    (Subject::Object, &["object", "obj", "scene", "sample", "target"]),
-    (
-        Subject::GreySphere,
-        &["grey-sphere", "gray-sphere", "grey-ball", "gray-ball", "greyball", "grayball", "grey", "gray"],
-    ),
-    (Subject::MaterialSphere, &["material-sphere", "material-ball", "material", "paint-ball", "paint-sphere", "paint"]),
-    (
-        Subject::MirrorSphere,
-        &["mirror-sphere", "mirror-ball", "mirrorball", "mirror", "chrome-ball", "chrome-sphere", "chrome"],
-    ),
-    (Subject::Dark, &["dark", "darks", "dark-frame", "black"]),
-    (Subject::FlatField, &["flat-field", "flatfield", "flat", "flats", "white"]),
-];
 
 /// Words for colours, as lamps and channels are called.
 const COLOUR_WORDS: &[&str] = &[
@@ -106,7 +90,8 @@ impl Field {
     fn expression(self, strict: bool) -> String {
         match self {
             Self::Subject => {
-                let words = SUBJECT_WORDS.iter().flat_map(|(_, words)| *words).map(|word| word.replace('-', "[-_ ]?"));
+                let names = Subject::ALL.iter().flat_map(|subject| subject.names());
+                let words = names.map(|word| word.replace('-', "[-_ ]?"));
                 format!("(?<subject>{})", words.collect::<Vec<_>>().join("|"))
             }
             Self::Colour if strict => format!(r"(?<colour>{}|\d+ ?nm)", COLOUR_WORDS.join("|")),
@@ -151,7 +136,7 @@ impl FromStr for Pattern {
                     Piece::Close => ")?".into(),
                 })
                 .collect();
-            // The only expressions that could be refused are those that a person made too large.
+            // The only expressions that could be refused are those that the user made too large.
             RegexBuilder::new(&format!("^{inner}$")).case_insensitive(true).build().map_err(|_| PatternError::NoField)
         };
         let folders = pieces.iter().filter(|piece| matches!(piece, Piece::Text('/'))).count();
@@ -196,7 +181,7 @@ fn pieces(text: &str) -> Result<Vec<Piece>, PatternError> {
 }
 
 impl Pattern {
-    /// What the name of a file tells; `None` where it does not follow the pattern.
+    /// What the name of a file says; `None` where it does not follow the pattern.
     pub fn read(&self, file: &Path) -> Option<Guess> {
         let mut parts: Vec<String> = file.parent()?.iter().map(|part| part.to_string_lossy().into_owned()).collect();
         parts.push(file.file_stem()?.to_string_lossy().into_owned());
@@ -212,12 +197,12 @@ impl Pattern {
         })
     }
 
-    /// Whether the pattern tells what a file shows.
+    /// Whether the pattern says what a file shows.
     pub fn names_subject(&self) -> bool {
         self.fields.contains(&Field::Subject)
     }
 
-    /// Whether the pattern tells the colour of a photo.
+    /// Whether the pattern says the colour of a photo.
     pub fn names_colour(&self) -> bool {
         self.fields.contains(&Field::Colour)
     }
@@ -228,13 +213,12 @@ fn subject_of(captures: &Captures<'_>) -> Option<Subject> {
 }
 
 fn subject_of_word(word: &str) -> Option<Subject> {
-    let found = word.to_lowercase().replace(['_', ' '], "-");
-    let bare = found.replace('-', "");
-    let means = |words: &[&str]| words.iter().any(|word| word.replace('-', "") == bare);
-    Subject::from_word(&found).or_else(|| SUBJECT_WORDS.iter().find(|(_, words)| means(words)).map(|(s, _)| *s))
+    let bare = word.to_lowercase().replace(['-', '_', ' '], "");
+    let means = |subject: &Subject| subject.names().iter().any(|word| word.replace('-', "") == bare);
+    Subject::ALL.iter().copied().find(means)
 }
 
-/// Dark frames and flat fields stand beside the photos and follow no pattern of theirs: "dark.png", "flat-03.tif". A lamp
+/// Dark frames and flat fields lie beside the photos and follow no pattern of theirs: "dark.png", "flat-03.tif". A lamp
 /// may well be called black or white.
 pub(super) fn correction_of_name(file: &Path) -> Option<Subject> {
     let stem = file.file_stem()?.to_string_lossy();

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::Path;
 
-use super::super::model::Subject;
+use super::super::subject::Naming;
 use super::pattern::{Guess, Pattern, is_colour_word};
 
 /// Between the parts of a name.
@@ -38,7 +38,7 @@ fn candidates() -> impl Iterator<Item = String> {
 
 /// How well a pattern explains files.
 struct Merit {
-    /// Files whose names follow it and tell enough.
+    /// Files whose names follow it and say enough.
     explained: usize,
     /// Of those, how many name a colour by a word for a colour.
     colour_words: usize,
@@ -63,9 +63,8 @@ impl Merit {
 fn merit<P: AsRef<Path>>(pattern: &Pattern, files: &[P]) -> Merit {
     let enough = |guess: &Guess| {
         let subject = guess.subject.unwrap_or_default();
-        let colourless = matches!(subject, Subject::MirrorSphere | Subject::Dark | Subject::FlatField);
         // A pattern that names no colour at all is one of RGB photos.
-        guess.colour.is_some() || colourless || !pattern.names_colour()
+        guess.colour.is_some() || subject.colour() != Naming::Required || !pattern.names_colour()
     };
     let guesses: Vec<Guess> = files.iter().filter_map(|file| pattern.read(file.as_ref())).filter(enough).collect();
     let named = |name: fn(&Guess) -> &Option<String>| guesses.iter().map(name).collect::<HashSet<_>>().len();

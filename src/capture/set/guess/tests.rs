@@ -140,7 +140,7 @@ fn the_sets_of_the_format_have_the_usual_pattern() {
 
 const SUBJECTS: [Subject; 3] = [Subject::Object, Subject::GreySphere, Subject::MaterialSphere];
 
-/// Names as people give them, none within another.
+/// Names as users give them, none within another.
 fn names(prefix: &'static str) -> impl Strategy<Value = Vec<String>> {
     prop::collection::btree_set("[a-z]{1,6}[0-9]{0,2}", 2..5)
         .prop_map(move |names| names.into_iter().map(|name| format!("{prefix}{name}")).collect())
@@ -181,7 +181,7 @@ proptest! {
         }
     }
 
-    /// Whatever a person types is a pattern or an error, and no pattern fails on any name.
+    /// Whatever the user types is a pattern or an error, and no pattern fails on any name.
     #[test]
     fn no_text_breaks_a_pattern(text in "[a-z{}\\[\\]/.-]{0,20}|\\PC{0,20}", file in "\\PC{0,30}") {
         if let Ok(pattern) = text.parse::<Pattern>() {

@@ -1,5 +1,6 @@
 //! The capture set file as its authors meet it: what is read, what is refused and where, what a save keeps.
 
+mod format_page;
 mod names;
 mod random;
 mod refusals;
@@ -10,7 +11,7 @@ use std::path::Path;
 
 use super::CaptureSet;
 
-/// Two colours, two lights, every subject, every part and comments in most places where one can stand.
+/// Two colours, two lights, every subject, every part and comments in most places that allow one.
 const FULL: &str = include_str!("full.toml");
 
 fn parse(text: &str) -> CaptureSet {

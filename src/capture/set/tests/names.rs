@@ -1,4 +1,4 @@
-//! What the rest of the program asks of a set.
+//! Questions that the rest of the program asks of a set.
 
 use std::path::Path;
 

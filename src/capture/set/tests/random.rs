@@ -1,4 +1,4 @@
-//! Sets and texts that nobody would think of.
+//! Random sets and texts.
 
 use std::path::Path;
 
@@ -99,6 +99,18 @@ fn calibration() -> impl Strategy<Value = Calibration> {
     )
 }
 
+fn shape() -> impl Strategy<Value = ShapeSettings> {
+    (vec(text(), 0..3), number(), number(), 0usize..200, 0usize..200).prop_map(
+        |(leave_out, shadow_share, misfit_share, rounds, indirect_window_px)| ShapeSettings {
+            leave_out,
+            shadow_share,
+            misfit_share,
+            rounds,
+            indirect_window_px,
+        },
+    )
+}
+
 /// Any set at all, right or wrong.
 fn set() -> impl Strategy<Value = CaptureSet> {
     let colour = (text(), word()).prop_map(|(name, channel)| Colour { name, channel });
@@ -109,9 +121,9 @@ fn set() -> impl Strategy<Value = CaptureSet> {
     });
     let lists = (vec(colour, 0..3), vec(light, 0..3), vec(shot(), 0..5), vec(sphere(), 0..3));
     let truth = (text(), text(), text()).prop_map(|(normals, depth, bounce)| Truth { normals, depth, bounce });
-    let rest = (calibration(), option::of(0usize..9), truth);
+    let rest = (calibration(), option::of(0usize..9), shape(), truth);
     (text(), option::of(text()), camera(), lists, rest).prop_map(
-        |(name, mask, camera, (colours, lights, shots, spheres), (calibration, bounces, truth))| CaptureSet {
+        |(name, mask, camera, (colours, lights, shots, spheres), (calibration, bounces, shape, truth))| CaptureSet {
             folder: "set".into(),
             name,
             mask,
@@ -122,6 +134,7 @@ fn set() -> impl Strategy<Value = CaptureSet> {
             spheres,
             calibration,
             separation: Separation { bounces },
+            shape,
             truth,
         },
     )

@@ -1,6 +1,6 @@
 //! The sets that come with the project's data, where they are at hand.
 
-use std::path::Path;
+use firstbounce_testing::shared_set;
 
 use crate::set::{CaptureSet, Channel, Projection, Subject, write_calibration};
 
@@ -15,13 +15,8 @@ const SETS: [(&str, [usize; 4]); 5] = [
 
 #[test]
 fn every_shared_set_is_read_whole() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     for (name, counts) in SETS {
-        let folder = data.join(name);
-        if !folder.is_dir() {
-            println!("skipped: {name} is not at ../shared/data");
-            continue;
-        }
+        let Some(folder) = shared_set(name) else { continue };
         let set = CaptureSet::open(&folder).unwrap();
         assert_eq!(set, CaptureSet::open(set.file_path()).unwrap());
         assert_eq!([set.colours.len(), set.lights.len(), set.shots.len(), set.spheres.len()], counts, "{name}");

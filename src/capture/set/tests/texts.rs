@@ -1,4 +1,4 @@
-//! What writing changes in a text, and what it leaves alone.
+//! Writing changes values in a text, and leaves all else alone.
 
 use super::{FULL, parse};
 use crate::set::{

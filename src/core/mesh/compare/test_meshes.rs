@@ -7,21 +7,8 @@ use crate::mesh::LengthUnit;
 
 /// A height field of `cells` x `cells` squares of `pitch_mm`, centred on the z axis, facing +z.
 pub fn relief(cells: u32, pitch_mm: f64, height_mm: impl Fn(f64, f64) -> f64) -> Mesh {
-    let half = f64::from(cells) * pitch_mm / 2.0;
-    let side = cells + 1;
-    let positions = (0..side * side)
-        .map(|index| {
-            let x = f64::from(index % side) * pitch_mm - half;
-            let y = f64::from(index / side) * pitch_mm - half;
-            Point3::new(x, y, height_mm(x, y)).cast()
-        })
-        .collect();
-    let triangles = (0..cells * cells)
-        .flat_map(|cell| {
-            let corner = cell / cells * side + cell % cells;
-            [[corner, corner + 1, corner + side + 1], [corner, corner + side + 1, corner + side]]
-        })
-        .collect();
+    let (positions, triangles) = firstbounce_testing::relief(cells, pitch_mm, 0.0, height_mm);
+    let positions = positions.into_iter().map(Point3::from).collect();
     Mesh { positions, normals: vec![], colours: vec![], triangles, unit: LengthUnit::Millimetre }
 }
 

@@ -142,7 +142,6 @@ pub struct ByShape {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ByShapeStep {
     /// Iterations done.
-    #[cfg_attr(feature = "serde", serde(skip))]
     pub iteration: usize,
     /// Mean angle between the normals of this shape and of the one before, in degrees; zero for the pseudo shape.
     pub change_deg: f64,

@@ -4,7 +4,7 @@ use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::{Marks, Photo, Plane};
 use image::DynamicImage;
 use nalgebra::Vector3;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A rendered set: one file a light and colour, or one RGB file a light.
 pub struct Set {
@@ -68,18 +68,6 @@ pub const SETS: [Set; 4] = [
         lamp_distance_radii: Some(1500.0 / 35.294),
     },
 ];
-
-/// Where the shared data lies; says that the test skips where it is not.
-pub fn shared_data() -> Option<PathBuf> {
-    // Cargo runs tests in the package's folder, two below the workspace.
-    let package = std::env::current_dir().ok()?;
-    let data = package.ancestors().nth(3)?.join("shared/data");
-    if !data.is_dir() {
-        println!("skipped: {} is not there", data.display());
-        return None;
-    }
-    Some(data)
-}
 
 /// What a set was rendered with, by light in the set's order.
 pub struct Truth {

@@ -1,4 +1,4 @@
-//! What is to be in sight.
+//! Bounds of all that is to be in view.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 

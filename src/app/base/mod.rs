@@ -1,0 +1,6 @@
+//! The base of every floor: work off the UI thread, the system's file dialogs, counting.
+
+pub mod bars;
+pub mod dialogs;
+pub mod jobs;
+pub mod keyed;

@@ -1,0 +1,203 @@
+//! Other methods beside the paper's: whether to run them, how they converge, how they compare.
+
+use eframe::egui::{Color32, DragValue, Grid, RichText, Role, Ui, WidgetInfo};
+use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
+use firstbounce_capture::pipeline::{Method, NayarErrors};
+use firstbounce_core::methods::by_shape::ByShapeReport;
+
+use crate::app::state::document::Document;
+use crate::app::state::layout::Shown;
+use crate::app::state::results::{ByMethod, StageState, Step, SurfaceName};
+use crate::app::state::session::Session;
+use crate::app::widgets::advice::advice;
+
+const HEIGHT: f32 = 170.0;
+
+/// `errors` are what the truth says of every iteration, where it was asked.
+pub fn ui(ui: &mut Ui, session: &mut Session, document: &Document, errors: Option<&NayarErrors>) {
+    ui.label(RichText::new("Another method, to compare").strong());
+    for method in Method::others() {
+        one(ui, session, document, method, errors);
+    }
+}
+
+fn one(ui: &mut Ui, session: &mut Session, document: &Document, method: Method, errors: Option<&NayarErrors>) {
+    let (title, mut compare) = (method.title(), document.settings.is_compared(method));
+    let hover = format!("{}. Takes seconds.", method.purpose());
+    if ui.checkbox(&mut compare, format!("Also solve by {title}")).on_hover_text(hover).changed() {
+        let verb = if compare { "Solve" } else { "Stop solving" };
+        session.edit(&format!("{verb} by {title}"), |document| document.settings.compare(method, compare));
+    }
+    if !compare {
+        return;
+    }
+    options(ui, session, document, method);
+    let state = session.results.state(Step::ByMethod(method), document);
+    match &state {
+        StageState::Failed { line } | StageState::Blocked { line } => {
+            ui.colored_label(ui.visuals().error_fg_color, line);
+        }
+        StageState::Running { .. } | StageState::Stale => advice(ui, &format!("{} is running.", upper_first(title))),
+        StageState::Ready => {}
+    }
+    // What failed for this document says nothing of an older result.
+    if let Some(found) = session.results.by_method(method).filter(|_| !matches!(state, StageState::Failed { .. })) {
+        outcome(ui, &found);
+        if let Some(nayar) = found.solved.report.nayar() {
+            convergence(ui, &nayar.report, errors);
+        }
+        pictures(ui, session, document, method);
+    }
+}
+
+fn options(ui: &mut Ui, session: &mut Session, document: &Document, method: Method) {
+    let needs_albedo = method.needs().absolute_albedo;
+    let mut settings = document.settings.nayar.clone();
+    let mut changed = None;
+    Grid::new("nayar options").num_columns(2).show(ui, |ui| {
+        if needs_albedo {
+            grey_albedo(ui, session, document);
+        }
+        if method != Method::Shape {
+            return;
+        }
+        let mut whole = |ui: &mut Ui, label: &str, hover: &str, value: &mut usize, range, speed| {
+            let name = ui.label(label).on_hover_text(hover);
+            if ui.add(DragValue::new(value).range(range).speed(speed)).labelled_by(name.id).changed() {
+                changed = Some(format!("Change {}", lower_first(label)));
+            }
+            ui.end_row();
+        };
+        let patches = "About how many pieces of the surface exchange light; time grows with the square";
+        whole(ui, "Patches", patches, &mut settings.patches, 16..=20_000, 20.0);
+        whole(ui, "Most iterations", "When to stop at the latest", &mut settings.max_iterations, 1..=100, 0.05);
+    });
+    if let Some(name) = changed {
+        session.edit(&name, |document| document.settings.nayar = settings);
+    }
+}
+
+/// Makes the paint's albedo absolute; a typed light of white does so without a ball.
+fn grey_albedo(ui: &mut Ui, session: &mut Session, document: &Document) {
+    let given = document.set.calibration.white_light;
+    if let Some(light) = given {
+        ui.label("Light of a white facet").on_hover_text("white_light under [calibration] in capture.toml");
+        ui.monospace(format!("{light:.4}"));
+        ui.end_row();
+        return;
+    }
+    let hover = "The part of the light that the grey ball reflects in the reference colour, as its maker states it: the method \
+                 needs to know how bright the paint is in itself";
+    let name = ui.label("Albedo of the grey ball").on_hover_text(hover);
+    let old = document.set.calibration.grey_albedo;
+    let mut albedo = old.unwrap_or(0.0);
+    let words = |value: f64, _| if value > 0.0 { format!("{value:.3}") } else { "unknown".into() };
+    let field = DragValue::new(&mut albedo).range(0.0..=1.0).speed(0.002).custom_formatter(words);
+    if ui.add(field.custom_parser(|text| text.trim().parse().ok())).labelled_by(name.id).changed() {
+        let new = (albedo > 0.0).then_some(albedo);
+        session.edit("Type albedo of the grey ball", |document| document.set.calibration.grey_albedo = new);
+    }
+    ui.end_row();
+}
+
+fn outcome(ui: &mut Ui, found: &ByMethod) {
+    if let Some(nayar) = found.solved.report.nayar() {
+        iterations(ui, &nayar.report);
+    }
+    if let Some(angle) = found.from_bounce_1 {
+        ui.label(format!("Its normals are {:.2} degrees from those of bounce 1 on the mean.", angle.mean_deg));
+    }
+    for warning in &found.warnings {
+        ui.colored_label(ui.visuals().warn_fg_color, warning);
+    }
+}
+
+fn iterations(ui: &mut Ui, report: &ByShapeReport) {
+    let iterations = report.steps.len().saturating_sub(1);
+    ui.label(format!(
+        "{} after {iterations} iterations over {} patches.",
+        upper_first(report.ending.words()),
+        report.patches
+    ));
+    if let (Some(first), Some(last)) = (report.steps.first(), report.steps.get(report.chosen)) {
+        ui.label(format!(
+            "Mean albedo {:.3}, before {:.3}. Light unexplained {:.1} %, before {:.1} %.",
+            last.mean_albedo,
+            first.mean_albedo,
+            100.0 * last.residual,
+            100.0 * first.residual
+        ));
+    }
+}
+
+/// How far each iteration turned the normals and, where the truth is known, how wrong they still were.
+fn convergence(ui: &mut Ui, report: &ByShapeReport, errors: Option<&NayarErrors>) {
+    let changes: Vec<[f64; 2]> = report.steps.iter().skip(1).map(|s| [s.iteration as f64, s.change_deg]).collect();
+    let errors: Vec<[f64; 2]> = errors
+        .iter()
+        .flat_map(|all| &all.iterations)
+        .zip(0..)
+        .map(|(of, k)| [f64::from(k), of.error_deg.mean])
+        .collect();
+    let largest = changes.iter().chain(&errors).map(|[_, degrees]| *degrees).fold(0.1, f64::max);
+    let widest = changes.len().max(1) as f64;
+    let plot = Plot::new("convergence of Nayar's method")
+        .height(HEIGHT)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .x_axis_label("iteration")
+        .y_axis_label("degrees")
+        .default_x_bounds(0.0, widest * 1.02)
+        .default_y_bounds(0.0, largest * 1.1)
+        .legend(Legend::default())
+        .show(ui, |plot| {
+            let visuals = &plot.ctx().global_style().visuals;
+            let (blue, ink) = (visuals.hyperlink_color, visuals.warn_fg_color);
+            let mut curve = |name: &str, points: &[[f64; 2]], colour: Color32| {
+                plot.line(Line::new(name.to_owned(), PlotPoints::from(points.to_vec())).color(colour).width(2.0));
+                plot.points(Points::new(name.to_owned(), points.to_vec()).color(colour).radius(3.0));
+            };
+            curve("normals turned", &changes, blue);
+            if !errors.is_empty() {
+                curve("normal error", &errors, ink);
+            }
+        });
+    let turned: Vec<_> = changes.iter().map(|[k, degrees]| format!("iteration {k}: {degrees:.2}")).collect();
+    let wrong: Vec<_> = errors.iter().map(|[k, degrees]| format!("iteration {k}: {degrees:.2}")).collect();
+    let mut spoken = format!("Convergence of Nayar's method. Normals turned, degrees: {}", turned.join(", "));
+    if !wrong.is_empty() {
+        spoken += &format!(". Normal error, degrees: {}", wrong.join(", "));
+    }
+    plot.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &spoken));
+}
+
+fn pictures(ui: &mut Ui, session: &mut Session, document: &Document, method: Method) {
+    let name = SurfaceName::After(method);
+    let minus = |a: Shown, b: Shown| Shown::Difference(Box::new(a), Box::new(b));
+    let mut offered =
+        vec![Shown::Normals(name), Shown::Depth(name), minus(Shown::Depth(name), Shown::Depth(SurfaceName::AFTER))];
+    if let Some(light) = document.set.lights.first().map(|light| light.name.clone()) {
+        let direct = Shown::DirectBy { method, light: light.clone() };
+        offered.extend([direct.clone(), minus(direct, Shown::Direct { light })]);
+    }
+    ui.horizontal_wrapped(|ui| {
+        for shown in offered {
+            if ui.button(format!("Show {}", lower_first(&shown.title()))).clicked() {
+                session.views.show(shown);
+            }
+        }
+    });
+}
+
+fn upper_first(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Names keep their capitals.
+fn lower_first(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}

@@ -1,0 +1,35 @@
+//! The document: the set and its settings, with undo, saving and recovery.
+
+mod disk;
+mod editor;
+mod recovery;
+mod reference;
+mod settings;
+#[cfg(test)]
+mod tests;
+
+use firstbounce_capture::CaptureSet;
+use firstbounce_capture::pipeline::{Method, SolveOptions};
+
+pub use disk::{DiskWatch, SaveError, VIEW_FILE, relocated};
+pub(crate) use disk::{read_view, write_view};
+pub use editor::Editor;
+pub use recovery::{Recovered, Recovery, save_everything_now};
+pub use reference::{Pose, Poses, ReferenceSettings, ReferenceSource};
+pub use settings::{NayarSettings, Settings};
+
+/// Everything that the user edits and that undo brings back. Small: photos and results are elsewhere.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Document {
+    /// What capture.toml says.
+    pub set: CaptureSet,
+    /// How the window solves the set.
+    pub settings: Settings,
+}
+
+impl Document {
+    /// As the pipeline takes it, by a method.
+    pub fn options(&self, method: Method) -> SolveOptions {
+        SolveOptions { method, nayar: self.settings.nayar.options(), ..SolveOptions::of(&self.set.shape) }
+    }
+}

@@ -1,0 +1,230 @@
+//! The look of a 3D view: the user's choices, kept with the layout.
+
+use std::collections::BTreeMap;
+
+use firstbounce_capture::pipeline::Method;
+use serde::{Deserialize, Serialize};
+
+use crate::app::state::results::SurfaceName;
+use crate::gpu::mesh::{Bounds, Camera, Lens, StandardView};
+
+/// A surface that can be shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum LayerName {
+    /// A surface of the set.
+    Surface(SurfaceName),
+    /// A scan of the same object.
+    Reference,
+}
+
+impl LayerName {
+    /// From bounce 1.
+    pub const AFTER: Self = Self::Surface(SurfaceName::AFTER);
+    /// From the photos with all their light.
+    pub const BEFORE: Self = Self::Surface(SurfaceName::Before);
+
+    /// All, in the order of the list.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let others = Method::others().map(|method| Self::Surface(SurfaceName::After(method)));
+        [Self::AFTER, Self::BEFORE].into_iter().chain(others).chain([Self::Reference])
+    }
+
+    /// What it is called.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::AFTER => "Bounce 1",
+            Self::Surface(SurfaceName::Before) => "Before",
+            Self::Surface(SurfaceName::After(method)) => method.title(),
+            Self::Reference => "Reference",
+        }
+    }
+
+    /// The same within a sentence.
+    pub fn in_sentence(self) -> &'static str {
+        match self {
+            Self::AFTER => "bounce 1",
+            Self::Surface(SurfaceName::Before) => "before",
+            Self::Surface(SurfaceName::After(method)) => method.title(),
+            Self::Reference => "reference",
+        }
+    }
+}
+
+/// How colours come to a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Shade {
+    /// A studio that turns with the eye: shows form best.
+    #[default]
+    Matcap,
+    /// Lit from the eye.
+    Headlight,
+    /// Lit by one of the capture's lamps, as in its photo.
+    Lamp,
+    /// The normal as colour.
+    Normals,
+    /// The paint alone.
+    Albedo,
+    /// z through a colour map.
+    Height,
+    /// How far from the reference.
+    Distance,
+}
+
+impl Shade {
+    /// All, in the order of a menu.
+    pub const ALL: [Self; 7] =
+        [Self::Matcap, Self::Headlight, Self::Lamp, Self::Normals, Self::Albedo, Self::Height, Self::Distance];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Matcap => "Studio",
+            Self::Headlight => "Lit from the eye",
+            Self::Lamp => "Lit by a lamp",
+            Self::Normals => "Normals as colour",
+            Self::Albedo => "Albedo",
+            Self::Height => "Height",
+            Self::Distance => "Distance to the reference",
+        }
+    }
+}
+
+/// When layers are shown in their own colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LayerColours {
+    /// When more than one is seen: alone a surface is plaster.
+    #[default]
+    Several,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// One layer's share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayerLook {
+    /// Whether it is seen.
+    pub visible: bool,
+    /// Whether it is lit; otherwise it is its colour everywhere.
+    pub shaded: bool,
+    /// Its own colour, sRGB.
+    pub colour: [u8; 3],
+}
+
+/// The share of each layer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Layers {
+    /// Bounce 1: green, as in the paper's figures.
+    after: LayerLook,
+    /// Before: cyan.
+    before: LayerLook,
+    /// Other methods, until one is changed: violet.
+    nayar: LayerLook,
+    /// Those that were changed.
+    others: BTreeMap<Method, LayerLook>,
+    /// The scan: red.
+    reference: LayerLook,
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        let layer = |visible, colour| LayerLook { visible, shaded: true, colour };
+        Self {
+            after: layer(true, [112, 196, 112]),
+            before: layer(false, [84, 196, 214]),
+            nayar: layer(false, [178, 140, 222]),
+            others: BTreeMap::new(),
+            reference: layer(true, [222, 98, 88]),
+        }
+    }
+}
+
+/// How a 3D view shows the surfaces.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SurfaceLook {
+    /// How colours come to the surfaces.
+    pub shade: Shade,
+    /// The lamp of [`Shade::Lamp`], by its light's name; the first where that is gone.
+    pub lamp: Option<String>,
+    /// The distance at the ends of the heat map in mm; `None` for that which 95 % stay below.
+    pub distance_mm: Option<f32>,
+    /// Whether edges are drawn.
+    pub wireframe: bool,
+    /// The share of each layer.
+    #[serde(flatten)]
+    pub layers: Layers,
+    /// When the layers are shown in their own colours.
+    pub colours: LayerColours,
+    /// How distance shows.
+    pub lens: Lens,
+    /// The eye; `None` for everything in sight from the front and the right.
+    pub camera: Option<Camera>,
+    /// Whether the object turns by itself.
+    #[serde(skip)]
+    pub turntable: bool,
+}
+
+impl SurfaceLook {
+    /// A layer's share.
+    pub fn layer(&self, name: LayerName) -> &LayerLook {
+        match name {
+            LayerName::AFTER => &self.layers.after,
+            LayerName::Surface(SurfaceName::Before) => &self.layers.before,
+            LayerName::Surface(SurfaceName::After(method)) => {
+                self.layers.others.get(&method).unwrap_or(&self.layers.nayar)
+            }
+            LayerName::Reference => &self.layers.reference,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn layer_mut(&mut self, name: LayerName) -> &mut LayerLook {
+        match name {
+            LayerName::AFTER => &mut self.layers.after,
+            LayerName::Surface(SurfaceName::Before) => &mut self.layers.before,
+            LayerName::Surface(SurfaceName::After(method)) => {
+                self.layers.others.entry(method).or_insert(self.layers.nayar)
+            }
+            LayerName::Reference => &mut self.layers.reference,
+        }
+    }
+
+    /// The eye in force for what is in the bounds.
+    pub fn camera(&self, bounds: &Bounds, aspect: f64) -> Camera {
+        match self.camera {
+            Some(camera) => Camera { lens: self.lens, ..camera },
+            None => Camera::fitted(bounds, StandardView::Corner, self.lens, aspect),
+        }
+    }
+
+    /// Perspective becomes orthographic and the other way round.
+    pub fn other_lens(&mut self) {
+        self.lens = match self.lens {
+            Lens::Perspective => Lens::Orthographic,
+            Lens::Orthographic => Lens::Perspective,
+        };
+    }
+
+    /// Takes the eye to a named side, everything in sight.
+    pub fn look_from(&mut self, view: StandardView, bounds: &Bounds, aspect: f64) {
+        self.camera = Some(Camera::fitted(bounds, view, self.lens, aspect));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layer_keeps_its_place_in_the_settings_of_a_view() {
+        let mut look = SurfaceLook::default();
+        look.layer_mut(LayerName::Reference).visible = false;
+        look.layer_mut(LayerName::Surface(SurfaceName::After(Method::Shape))).colour = [1, 2, 3];
+        let kept = serde_json::to_value(&look).unwrap();
+        assert_eq!(kept["reference"]["visible"], false);
+        assert_eq!(serde_json::from_value::<SurfaceLook>(kept).unwrap(), look);
+    }
+}

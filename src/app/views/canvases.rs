@@ -1,0 +1,53 @@
+//! The state of the canvases: zoom and pan, tools of the 3D views, statistics. It belongs to one open set.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::canvas::{self, CanvasState};
+use super::statistics::Statistics;
+use super::surface::ViewState;
+use crate::app::state::layout::View;
+
+/// What each view keeps from frame to frame, by its id.
+#[derive(Default)]
+pub struct Canvases {
+    pub(super) pictures: HashMap<u64, CanvasState>,
+    surfaces: HashMap<u64, ViewState>,
+    pub(super) statistics: Statistics,
+    /// The zoom and pan that linked views share.
+    pub(super) shared: canvas::View,
+}
+
+impl Canvases {
+    /// The whole picture in every view.
+    pub fn fit(&mut self) {
+        self.shared = canvas::View::Fit;
+        self.pictures.values_mut().for_each(|canvas| canvas.view = canvas::View::Fit);
+    }
+
+    /// A pixel of the screen for every pixel of the picture, in every view.
+    pub fn one_to_one(&mut self) {
+        self.shared = self.shared.one_to_one();
+        self.pictures.values_mut().for_each(|canvas| canvas.view = canvas.view.one_to_one());
+    }
+
+    /// The same for one view, and for those that are linked with it.
+    pub(super) fn zoom(&mut self, view: &View, one_to_one: bool) {
+        let zoomed = |of: canvas::View| if one_to_one { of.one_to_one() } else { canvas::View::Fit };
+        if view.linked {
+            self.shared = zoomed(self.shared);
+        }
+        let canvas = self.pictures.entry(view.id).or_default();
+        canvas.view = zoomed(canvas.view);
+    }
+
+    /// What a 3D view keeps.
+    pub fn surface(&mut self, id: u64) -> &mut ViewState {
+        self.surfaces.entry(id).or_default()
+    }
+
+    /// Lets go of what was drawn by a card that is gone.
+    pub fn forget_card(&mut self) {
+        self.surfaces.values_mut().for_each(|view| view.kept = Arc::default());
+    }
+}

@@ -1,0 +1,178 @@
+//! Results to files.
+
+mod earlier;
+mod lights;
+mod meshes;
+mod options;
+
+use std::path::{Path, PathBuf};
+
+use firstbounce_core::NormalMap;
+use indexmap::IndexMap;
+
+use crate::atomic::{OutputFolder, WriteError};
+use crate::image_file::{ExrLayer, ImageError, depth_png, normals_png, write_exr};
+use crate::pipeline::{Part, PipelineError, PipelineWatch, Solved, Stage, StageCost, Surface, camera_of};
+use crate::report::{ExportRecord, Report, html, overview, unit_word};
+use crate::set::CaptureSet;
+
+use earlier::Earlier;
+pub use options::OutputOptions;
+
+/// Writes every result into `folder`, which was staged before the work began so that an unwritable one is known early, and
+/// returns the report that lies there too. Until all of it is written, nothing in the folder changes.
+///
+/// # Errors
+/// `WriteError::NotOurs` where a file would take the place of one that no earlier run wrote, or of one of the set.
+pub fn write_solved(
+    set: &CaptureSet,
+    solved: &Solved,
+    mut folder: OutputFolder,
+    options: &OutputOptions,
+    watch: &dyn PipelineWatch,
+) -> Result<Report, PipelineError> {
+    options.check()?;
+    let earlier = Earlier::of(folder.target());
+    earlier.retire(&mut folder);
+    let mut stages = solved.stages.clone();
+    let mut files = Files { folder, written: IndexMap::new() };
+    let written = StageCost::measure(&mut stages, Stage::Write, || write_results(solved, &mut files, options, watch));
+    let export = written?;
+
+    let path = files.add("overview.png", "photo, bounces of the first light, normals before and after")?;
+    write_bytes(&path, &overview(solved).png()?)?;
+    files.note("report.json", "every number of this run");
+    files.note("report.html", "this run on one page, with pictures");
+    earlier.check(set, &files.folder, files.written.keys())?;
+    let report = Report::new(solved, stages, options.green, export, files.written.clone());
+    let json = serde_json::to_string_pretty(&report).map_err(PipelineError::Json)?;
+    write_text(&files.folder.file("report.json")?, &(json + "\n"))?;
+    write_text(&files.folder.file("report.html")?, &html(solved, &report)?)?;
+    if watch.cancelled() {
+        return Err(PipelineError::Cancelled);
+    }
+    files.folder.commit()?;
+    Ok(report)
+}
+
+/// The staged files, and what each is.
+struct Files {
+    folder: OutputFolder,
+    written: IndexMap<String, String>,
+}
+
+impl Files {
+    /// Where to write `name`, which is `what`.
+    fn add(&mut self, name: impl Into<String>, what: impl Into<String>) -> Result<PathBuf, WriteError> {
+        let name = name.into();
+        let path = self.folder.file(&name)?;
+        self.written.insert(name, what.into());
+        Ok(path)
+    }
+
+    fn note(&mut self, name: &str, what: &str) {
+        self.written.insert(name.into(), what.into());
+    }
+}
+
+fn write_results(
+    solved: &Solved,
+    files: &mut Files,
+    options: &OutputOptions,
+    watch: &dyn PipelineWatch,
+) -> Result<ExportRecord, PipelineError> {
+    let set = &solved.set;
+    let count = set.lights.len() + 2;
+    for (l, light) in set.lights.iter().enumerate() {
+        write_bounces(solved, l, &light.name, files)?;
+        step(watch, l, count)?;
+    }
+    lights::write_lights(set, &solved.calibrated, options, files)?;
+    let surfaces =
+        [(solved.after.as_ref().ok(), "", ""), (solved.before.as_ref(), "-raw", " from the photos as they are")];
+    let unit = surfaces.iter().find_map(|(surface, ..)| surface.map(|surface| surface.mesh.unit));
+    let mut export = options::record(options, unit);
+    for (index, (surface, suffix, origin)) in (count - 2..).zip(surfaces) {
+        let Some(surface) = surface else { continue };
+        write_surface(surface, (suffix, origin), files, options, &mut export)?;
+        let part = Part::of(watch, Stage::Write, index, count);
+        let camera = camera_of(set, surface.shape.depth.mask.size());
+        meshes::write_meshes(surface, (suffix, origin), &camera, options, files, &mut export, &part)?;
+        step(watch, index, count)?;
+    }
+    Ok(export)
+}
+
+fn step(watch: &dyn PipelineWatch, index: usize, count: usize) -> Result<(), PipelineError> {
+    firstbounce_core::Watch::progress(&Part::of(watch, Stage::Write, index, count), 1.0);
+    if watch.cancelled() { Err(PipelineError::Cancelled) } else { Ok(()) }
+}
+
+/// One layered file with all of a light's planes, and a file for each bounce.
+fn write_bounces(solved: &Solved, l: usize, light: &str, files: &mut Files) -> Result<(), PipelineError> {
+    let separation = &solved.separated.lights[l];
+    let marks = separation.marks.map(f32::from);
+    let names: Vec<_> = (1..=separation.bounces.len()).map(|k| format!("bounce{k}")).collect();
+    let bounces = names.iter().map(String::as_str).zip(separation.bounces.iter().map(Some));
+    let others = [
+        ("direct-noise", separation.direct_noise.as_ref()),
+        ("residual", separation.residual.as_ref()),
+        ("marks", Some(&marks)),
+    ];
+    let layers: Vec<_> = bounces
+        .chain(others)
+        .filter_map(|(name, plane)| Some(ExrLayer { name, channels: vec![("Y", plane?)] }))
+        .collect();
+    let path = files.add(
+        format!("bounces-{light}.exr"),
+        format!("light {light}: a layer for each bounce, the noise of bounce 1, the residual, the marks"),
+    )?;
+    write_exr(&path, &layers)?;
+    for (k, bounce) in (1..).zip(&separation.bounces) {
+        let path = files.add(format!("bounce{k}-{light}.exr"), format!("bounce {k} under light {light}"))?;
+        write_exr(&path, &[ExrLayer { name: "light", channels: vec![("Y", bounce)] }])?;
+    }
+    Ok(())
+}
+
+/// Normals, albedo and depth; `suffix` goes into the names, `origin` into what is said of them.
+fn write_surface(
+    surface: &Surface,
+    (suffix, origin): (&str, &str),
+    files: &mut Files,
+    options: &OutputOptions,
+    export: &mut ExportRecord,
+) -> Result<(), PipelineError> {
+    let Surface { shape, mesh } = surface;
+    let map: &NormalMap = &shape.normals.map;
+    let path = files.add(format!("normals{suffix}.png"), format!("normals{origin}, 16 bits"))?;
+    write_bytes(&path, &normals_png([map.x(), map.y(), map.z()], options.green)?)?;
+    let path = files.add(format!("normals{suffix}.exr"), format!("normals{origin}: R G B = x y z, y up"))?;
+    write_exr(&path, &[ExrLayer { name: "normals", channels: vec![("R", map.x()), ("G", map.y()), ("B", map.z())] }])?;
+    let grey = [
+        ("albedo", &shape.normals.albedo, "albedo"),
+        ("normal-noise", &shape.normals.noise_deg, "predicted noise of the normals in degrees"),
+        ("depth", &shape.depth.depth_mm, "depth toward the camera, in the mesh's unit"),
+    ];
+    for (name, plane, what) in grey {
+        let path = files.add(format!("{name}{suffix}.exr"), format!("{what}{origin}"))?;
+        write_exr(&path, &[ExrLayer { name, channels: vec![("Y", plane)] }])?;
+    }
+    if options.depth_png {
+        let name = format!("depth{suffix}.png");
+        let (png, scale) = depth_png(&shape.depth.depth_mm, &shape.depth.mask, unit_word(mesh.unit))?;
+        write_bytes(&files.add(&name, format!("depth{origin}, 16 bits: {}", scale.words()))?, &png)?;
+        export.depth_png.insert(name, scale);
+    }
+    Ok(())
+}
+
+fn write_text(path: &Path, text: &str) -> Result<(), PipelineError> {
+    write_bytes(path, text.as_bytes())
+}
+
+fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PipelineError> {
+    let unwritable =
+        |error: std::io::Error| ImageError::Unwritable { path: path.to_owned(), reason: error.to_string() };
+    Ok(std::fs::write(path, bytes).map_err(unwritable)?)
+}

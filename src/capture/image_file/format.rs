@@ -1,0 +1,142 @@
+//! The file formats that are read: one row for each.
+
+use std::fmt;
+use std::path::Path;
+
+use image::ImageFormat;
+
+use super::read::{Decoded, ReadOptions, Source};
+use super::{ImageError, exr_in, pfm, raster, tiff_in};
+
+/// The file formats that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Portable Network Graphics, 1 to 16 bits.
+    Png,
+    /// Tagged Image File Format: 1 to 32 bit integers, 16 to 64 bit floats.
+    Tiff,
+    /// OpenEXR, flat scan lines or tiles.
+    Exr,
+    /// JPEG, 8 bits.
+    Jpeg,
+    /// Radiance RGBE.
+    Hdr,
+    /// Portable float map.
+    Pfm,
+}
+
+/// All that is asked of a format.
+struct Row {
+    name: &'static str,
+    /// The usual one first.
+    extensions: &'static [&'static str],
+    /// What its files begin with.
+    magic: &'static [&'static [u8]],
+    /// Whether its values follow the sRGB curve unless care was taken that they do not.
+    usually_srgb: bool,
+    read: fn(&Source<'_>, &ReadOptions) -> Result<Decoded, ImageError>,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Self; 6] = [Self::Png, Self::Tiff, Self::Exr, Self::Jpeg, Self::Hdr, Self::Pfm];
+
+    fn row(self) -> Row {
+        match self {
+            Self::Png => Row {
+                name: "PNG",
+                extensions: &["png"],
+                magic: &[b"\x89PNG\r\n\x1a\n"],
+                usually_srgb: false,
+                read: |source, _| raster::read(source, Self::Png, ImageFormat::Png),
+            },
+            Self::Tiff => Row {
+                name: "TIFF",
+                extensions: &["tif", "tiff"],
+                magic: &[b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"],
+                usually_srgb: false,
+                read: |source, _| tiff_in::read(source),
+            },
+            Self::Exr => Row {
+                name: "EXR",
+                extensions: &["exr"],
+                magic: &[b"\x76\x2f\x31\x01"],
+                usually_srgb: false,
+                read: |source, options| exr_in::read(source, options.layer.as_deref()),
+            },
+            Self::Jpeg => Row {
+                name: "JPEG",
+                extensions: &["jpg", "jpeg", "jpe"],
+                magic: &[b"\xff\xd8\xff"],
+                usually_srgb: true,
+                read: |source, _| raster::read(source, Self::Jpeg, ImageFormat::Jpeg),
+            },
+            Self::Hdr => Row {
+                name: "HDR",
+                extensions: &["hdr", "pic", "rgbe"],
+                magic: &[b"#?RADIANCE", b"#?RGBE"],
+                usually_srgb: false,
+                read: |source, _| raster::read(source, Self::Hdr, ImageFormat::Hdr),
+            },
+            Self::Pfm => Row {
+                name: "PFM",
+                extensions: &["pfm"],
+                magic: &[b"PF\n", b"PF\r", b"PF ", b"PF\t", b"Pf\n", b"Pf\r", b"Pf ", b"Pf\t"],
+                usually_srgb: false,
+                read: |source, _| pfm::read(source),
+            },
+        }
+    }
+
+    /// The extensions of its files, the usual one first.
+    pub fn extensions(self) -> &'static [&'static str] {
+        self.row().extensions
+    }
+
+    /// The format of files with such a name, which their content may contradict.
+    pub fn of_name(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_string_lossy().to_lowercase();
+        Self::ALL.into_iter().find(|format| format.extensions().contains(&extension.as_str()))
+    }
+
+    /// The format of a file that begins with these bytes.
+    pub(super) fn of_content(bytes: &[u8]) -> Option<Self> {
+        Self::ALL.into_iter().find(|format| format.row().magic.iter().any(|magic| bytes.starts_with(magic)))
+    }
+
+    pub(super) fn usually_srgb(self) -> bool {
+        self.row().usually_srgb
+    }
+
+    pub(super) fn read(self, source: &Source<'_>, options: &ReadOptions) -> Result<Decoded, ImageError> {
+        (self.row().read)(source, options)
+    }
+
+    /// The names of all: "PNG, TIFF, EXR".
+    pub fn names() -> String {
+        Self::ALL.map(|format| format.row().name).join(", ")
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.row().name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_extension_and_a_beginning_belong_to_one_format() {
+        for format in Format::ALL {
+            for extension in format.extensions() {
+                assert_eq!(Format::of_name(Path::new(&format!("A.{}", extension.to_uppercase()))), Some(format));
+            }
+            for magic in format.row().magic {
+                assert_eq!(Format::of_content(magic), Some(format));
+            }
+        }
+    }
+}

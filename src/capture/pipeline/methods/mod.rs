@@ -1,0 +1,201 @@
+//! From photos and rig to the direct light of every light: one method a file, each a row of one table.
+
+mod colours;
+mod shape;
+
+use std::fmt;
+
+use firstbounce_core::stereo::shape::Shape;
+use serde::{Deserialize, Serialize};
+
+use super::{Direct, Known, PipelineError, PipelineWatch, Scene, Separated, SolveOptions, Stage};
+use crate::set::CaptureSet;
+
+pub use colours::{denoise_lights, separate_lights};
+pub use shape::{AlbedoScale, NayarSolved};
+
+pub(super) use shape::white_light;
+
+/// How direct light is told from light that bounced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(into = "&'static str", try_from = "String")]
+pub enum Method {
+    /// Liao, Huang and Yang 2011: photos in several colours, whose bounces differ.
+    #[default]
+    Colours,
+    /// Nayar, Ikeuchi and Kanade 1991: photos in one colour, and the bounces simulated on the shape.
+    Shape,
+}
+
+/// What the rest of the program knows of a method.
+pub(super) struct Row {
+    /// For reports and the command line.
+    pub name: &'static str,
+    /// In a sentence: "Nayar's method".
+    pub title: &'static str,
+    /// One line of help.
+    pub purpose: &'static str,
+    pub needs: Needs,
+    /// The stage whose time it takes.
+    pub stage: Stage,
+    pub direct_light: fn(&Input, &dyn PipelineWatch, &mut OnShape) -> Result<Found, PipelineError>,
+}
+
+/// What a method needs beside photos, directions and intensities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Needs {
+    /// Photos in all colours of the set, with alpha and beta; without, the reference colour's do.
+    pub all_colours: bool,
+    /// The light of a white facet, which makes albedos absolute.
+    pub absolute_albedo: bool,
+    /// The surface that the photos as they are show.
+    pub surface_before: bool,
+}
+
+/// Shown every shape on the way, where a method has some.
+pub type OnShape<'a> = dyn FnMut(&Shape) + 'a;
+
+/// What a method finds direct light from.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    /// Photos and rig, in the colours that the method needs.
+    pub scene: &'a Scene<'a>,
+    /// By light, the photos as they are.
+    pub raw: &'a Separated,
+    /// The surface that they show, where the method needs it.
+    pub before: Option<&'a Shape>,
+    /// Linear light of a white facet that faces a lamp of intensity 1, where the method needs it.
+    pub white_light: Option<&'a Known<f64>>,
+    /// The options of every method.
+    pub options: &'a SolveOptions,
+}
+
+/// The direct light of every light.
+#[derive(Debug)]
+pub struct Found {
+    /// The bounces that the light was separated into, direct light first.
+    pub separated: Separated,
+    /// By light, what the surface is recovered from.
+    pub direct: Vec<Direct>,
+    /// The surface, where the method finds it on the way.
+    pub shape: Option<Shape>,
+    /// What the method reports of itself.
+    pub report: MethodReport,
+}
+
+/// What a method reports of itself, beside the separation of each light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MethodReport {
+    /// Nothing more.
+    None,
+    /// Of Nayar's method.
+    Nayar(NayarSolved),
+}
+
+impl MethodReport {
+    /// What the user should know before trusting the surface.
+    pub fn warnings(&self, solved_pixels: usize) -> Vec<String> {
+        match self {
+            Self::None => Vec::new(),
+            Self::Nayar(solved) => solved.warnings(solved_pixels),
+        }
+    }
+
+    /// That of Nayar's method.
+    pub fn nayar(&self) -> Option<&NayarSolved> {
+        match self {
+            Self::None => None,
+            Self::Nayar(solved) => Some(solved),
+        }
+    }
+}
+
+impl Method {
+    /// Every method, the paper's own first.
+    pub const ALL: [Self; 2] = [Self::Colours, Self::Shape];
+
+    fn row(self) -> &'static Row {
+        match self {
+            Self::Colours => &colours::ROW,
+            Self::Shape => &shape::ROW,
+        }
+    }
+
+    /// The methods that are compared with the paper's own.
+    pub fn others() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|method| *method != Self::default())
+    }
+
+    /// For reports and the command line.
+    pub fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// The method of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+
+    /// In a sentence: "Nayar's method".
+    pub fn title(self) -> &'static str {
+        self.row().title
+    }
+
+    /// One line of help.
+    pub fn purpose(self) -> &'static str {
+        self.row().purpose
+    }
+
+    /// What it needs.
+    pub fn needs(self) -> Needs {
+        self.row().needs
+    }
+
+    pub(super) fn stage(self) -> Stage {
+        self.row().stage
+    }
+
+    /// The set as the method looks at it.
+    pub fn set_of(self, set: &CaptureSet) -> CaptureSet {
+        if self.needs().all_colours { set.clone() } else { set.in_one_colour() }
+    }
+
+    /// The photos and the rig as the method looks at them. One that needs a single colour has no use for a light that the
+    /// surface is recovered without.
+    pub fn scene_of<'a>(self, scene: Scene<'a>, options: &SolveOptions) -> Scene<'a> {
+        if self.needs().all_colours { scene } else { scene.in_one_colour().without(&options.left_out) }
+    }
+
+    /// Finds the direct light of every light; `on_shape` is shown every shape on the way.
+    ///
+    /// # Errors
+    /// What the method needs and the input lacks, or why it failed.
+    pub fn direct_light(
+        self,
+        input: &Input,
+        watch: &dyn PipelineWatch,
+        on_shape: &mut OnShape,
+    ) -> Result<Found, PipelineError> {
+        (self.row().direct_light)(input, watch, on_shape)
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl From<Method> for &'static str {
+    fn from(method: Method) -> Self {
+        method.name()
+    }
+}
+
+impl TryFrom<String> for Method {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Self::from_name(&name).ok_or_else(|| format!("{name:?} is no method"))
+    }
+}

@@ -1,0 +1,97 @@
+//! What a photo in linear light depends on: its files as they are on the disk, how they become light, what corrects them.
+
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+use crate::image_file::LinearOptions;
+use crate::set::{CaptureSet, Shot, Subject};
+
+/// A file as it is on the disk.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Stamped {
+    pub path: PathBuf,
+    /// When it was written last and how long it is; `None` where the system does not tell.
+    stamp: Option<(SystemTime, u64)>,
+}
+
+/// Averaged files.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FrameKey {
+    pub files: Vec<Stamped>,
+    pub options: LinearOptions,
+}
+
+/// A flat field, and the dark frame taken from it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FlatKey {
+    pub frame: FrameKey,
+    pub dark: Option<FrameKey>,
+}
+
+/// A photo, and the frames that correct it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PhotoKey {
+    pub frame: FrameKey,
+    pub dark: Option<FrameKey>,
+    pub flat: Option<FlatKey>,
+    pub subject: Subject,
+}
+
+impl PhotoKey {
+    /// Of a shot as it is now.
+    pub fn of(set: &CaptureSet, shot: &Shot) -> Self {
+        let channel = set.channel_of(shot);
+        let frame = |of: &Shot| FrameKey {
+            files: of.files.iter().map(|file| Stamped::of(set.resolve(file))).collect(),
+            options: LinearOptions { channel, ..linear_options(set, of) },
+        };
+        let dark_of = |of: &Shot| best_dark(set, of).map(frame);
+        let flat = best_flat(set, shot).map(|flat| FlatKey { frame: frame(flat), dark: dark_of(flat) });
+        Self { frame: frame(shot), dark: dark_of(shot), flat, subject: shot.subject }
+    }
+}
+
+impl Stamped {
+    fn of(path: PathBuf) -> Self {
+        let facts = path.metadata().ok();
+        let stamp = facts.and_then(|facts| Some((facts.modified().ok()?, facts.len())));
+        Self { path, stamp }
+    }
+}
+
+/// How the files of a shot become light.
+fn linear_options(set: &CaptureSet, shot: &Shot) -> LinearOptions {
+    let camera = &set.camera;
+    let noise_floor = match (camera.read_noise_electrons, camera.full_well_electrons) {
+        (Some(read), Some(full)) => Some((read / full) as f32),
+        _ => None,
+    };
+    LinearOptions {
+        channel: set.channel_of(shot),
+        encoding: set.encoding_of(shot),
+        black_level: camera.black_level as f32,
+        white_level: camera.white_level.map(|level| level as f32),
+        exposure: shot.exposure as f32,
+        noise_floor,
+        ..LinearOptions::default()
+    }
+}
+
+/// The dark frame of the exposure nearest to the shot's: what a sensor gathers without light grows with it. Dark frames
+/// are looked at as they are.
+fn best_dark<'a>(set: &'a CaptureSet, shot: &Shot) -> Option<&'a Shot> {
+    let distance = |dark: &&Shot| (dark.exposure / shot.exposure).ln().abs();
+    let darks = set.shots_of(Subject::Dark).filter(|_| shot.subject != Subject::Dark);
+    darks.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+/// The flat field that agrees with the shot in the most of light and colour, and contradicts it in none. Dark frames and
+/// flat fields need none.
+fn best_flat<'a>(set: &'a CaptureSet, shot: &Shot) -> Option<&'a Shot> {
+    let fits = |mine: &Option<String>, its: &Option<String>| its.is_none() || mine == its;
+    let agreement = |flat: &&Shot| usize::from(flat.light.is_some()) + usize::from(flat.colour.is_some());
+    let corrected = !matches!(shot.subject, Subject::Dark | Subject::FlatField);
+    set.shots_of(Subject::FlatField)
+        .filter(|flat| corrected && fits(&shot.light, &flat.light) && fits(&shot.colour, &flat.colour))
+        .max_by_key(agreement)
+}

@@ -1,0 +1,12 @@
+//! Photos in linear light: a store that decodes each file once, and what the pipeline takes of it.
+
+mod key;
+mod object;
+mod store;
+mod subject;
+#[cfg(test)]
+mod tests;
+
+pub use object::{ObjectPhotos, load_object};
+pub use store::{PhotoStore, ShotLight};
+pub use subject::{SubjectPhotos, file_warnings, load_subject};

@@ -1,0 +1,118 @@
+//! The object's photos with its mask and their noise.
+
+use std::sync::Arc;
+
+use firstbounce_core::image::noise::{NoiseModel, NoiseSource, estimate_noise};
+use firstbounce_core::{Mask, Photo, Plane};
+use rayon::prelude::*;
+
+use super::super::{PipelineError, PipelineWatch};
+use super::{PhotoStore, SubjectPhotos, load_subject};
+use crate::image_file::{LinearLight, read_mask};
+use crate::set::{CaptureSet, Shot, Subject};
+
+/// The object's photos and mask, and the noise of each photo.
+#[derive(Clone, Debug)]
+pub struct ObjectPhotos {
+    /// By light, then colour.
+    pub photos: Vec<Vec<Arc<Photo>>>,
+    /// By light, then colour.
+    pub noise: Vec<Vec<NoiseModel>>,
+    /// The object.
+    pub mask: Mask,
+    /// What the user should know of the files, each once.
+    pub warnings: Vec<String>,
+}
+
+/// Reads the object's photos and its mask. Without a mask file the object is the brighter part of the picture.
+pub fn load_object(
+    set: &CaptureSet,
+    store: &PhotoStore,
+    watch: &dyn PipelineWatch,
+) -> Result<ObjectPhotos, PipelineError> {
+    ObjectPhotos::of(set, load_subject(set, Subject::Object, store, watch)?)
+}
+
+impl ObjectPhotos {
+    /// Puts the object's photos together with its mask.
+    pub fn of(set: &CaptureSet, photos: SubjectPhotos) -> Result<Self, PipelineError> {
+        let SubjectPhotos { mut shots, mut warnings } = photos;
+        let mut taken = Vec::with_capacity(set.lights.len());
+        for (l, light) in set.lights.iter().enumerate() {
+            let mut row = Vec::with_capacity(set.colours.len());
+            for (c, colour) in set.colours.iter().enumerate() {
+                let missing = || PipelineError::NoShot { light: light.name.clone(), colour: colour.name.clone() };
+                row.push(shots.swap_remove(&(l, Some(c))).ok_or_else(missing)?);
+            }
+            taken.push(row);
+        }
+        let first = taken.first().and_then(|row| row.first()).ok_or(PipelineError::NoLights)?;
+        let size = first.photo.linear.size();
+        let mask = match &set.mask {
+            Some(written) => {
+                let path = set.resolve(written);
+                let mask = read_mask(&path)?;
+                if mask.size() != size {
+                    return Err(PipelineError::MaskSize { path, found: mask.size(), expected: size });
+                }
+                mask
+            }
+            None => {
+                let mask = Mask::brighter_part(&brightest(taken.iter().map(|row| &*row[0].photo)));
+                warnings.push(format!(
+                    "no mask given: the object is taken to be the {} brighter pixels of {}",
+                    mask.count(),
+                    size.0 * size.1
+                ));
+                mask
+            }
+        };
+        if mask.count() == 0 {
+            return Err(PipelineError::EmptyMask { path: set.mask.as_ref().map(|written| set.resolve(written)) });
+        }
+
+        let noise = taken
+            .par_iter()
+            .zip(&set.lights)
+            .map(|(row, light)| {
+                let shot = |c: usize| set.shot(Subject::Object, Some(&light.name), Some(&set.colours[c].name));
+                row.iter().enumerate().filter_map(|(c, linear)| Some(noise_of(set, shot(c)?, linear, &mask))).collect()
+            })
+            .collect();
+        let photos = taken.into_iter().map(|row| row.into_iter().map(|shot| shot.photo.clone()).collect()).collect();
+        Ok(Self { photos, noise, mask, warnings })
+    }
+}
+
+/// The noise of a shot: from the camera's numbers, else from its repeats, else from its grain.
+fn noise_of(set: &CaptureSet, shot: &Shot, linear: &LinearLight, mask: &Mask) -> NoiseModel {
+    let exposure = shot.exposure;
+    if let (Some(full), Some(read)) = (set.camera.full_well_electrons, set.camera.read_noise_electrons) {
+        return NoiseModel::of_camera(full, read, linear.repeats, exposure);
+    }
+    let of_repeats = linear.noise.as_ref().and_then(|noise| {
+        let pairs: Vec<_> = noise.bins.iter().map(|bin| (bin.signal, bin.variance)).collect();
+        NoiseModel::fit(&pairs, NoiseSource::Repeats)
+    });
+    match of_repeats {
+        // The fit is that of one frame before it is divided by the exposure.
+        Some(frame) => {
+            let frames = linear.repeats as f64;
+            NoiseModel {
+                floor: frame.floor / exposure.powi(2) / frames,
+                per_signal: frame.per_signal / exposure / frames,
+                ..frame
+            }
+        }
+        None => estimate_noise(&linear.photo, mask, f64::from(linear.quantisation_step)),
+    }
+}
+
+/// The largest light of each pixel.
+fn brightest<'a>(mut photos: impl Iterator<Item = &'a Photo>) -> Plane {
+    let Some(first) = photos.next() else { return Plane::filled(0, 0, 0.0) };
+    photos.fold(first.linear.clone(), |mut brightest, photo| {
+        brightest.data_mut().par_iter_mut().zip(photo.linear.data()).for_each(|(most, light)| *most = most.max(*light));
+        brightest
+    })
+}

@@ -1,0 +1,105 @@
+//! The photos of one subject, by light and colour.
+
+use std::sync::Arc;
+
+use firstbounce_core::Photo;
+use indexmap::IndexMap;
+
+use super::super::{PipelineError, PipelineWatch};
+use super::{PhotoStore, ShotLight};
+use crate::image_file::{ImageWarning, LinearLight};
+use crate::set::{CaptureSet, Shot, Subject};
+
+/// The photos of one subject, by light and colour, in linear light.
+#[derive(Clone, Debug)]
+pub struct SubjectPhotos {
+    /// By (light, colour): colour is `None` for a mirror ball's shot that names none.
+    pub(super) shots: IndexMap<(usize, Option<usize>), Arc<LinearLight>>,
+    /// What the user should know of the files, each once.
+    pub warnings: Vec<String>,
+}
+
+impl SubjectPhotos {
+    /// The photo under a light in a colour.
+    pub fn photo(&self, light: usize, colour: Option<usize>) -> Option<&Photo> {
+        self.shots.get(&(light, colour)).map(|shot| &*shot.photo)
+    }
+
+    /// Every photo under a light.
+    pub fn under(&self, light: usize) -> impl Iterator<Item = &Photo> {
+        self.shots.iter().filter(move |((l, _), _)| *l == light).map(|(_, shot)| &*shot.photo)
+    }
+
+    /// Every photo.
+    pub fn all(&self) -> impl Iterator<Item = &Photo> {
+        self.shots.values().map(|shot| &*shot.photo)
+    }
+
+    /// Puts shots together that were read; all must be there and have one size.
+    pub fn of(set: &CaptureSet, subject: Subject, shots: &[(&Shot, ShotLight)]) -> Result<Self, PipelineError> {
+        let mut photos = Self { shots: IndexMap::new(), warnings: Vec::new() };
+        for (shot, light) in shots {
+            let linear = light.clone().map_err(PipelineError::Photo)?;
+            let light = shot.light.as_deref().and_then(|name| set.light_index(name)).unwrap_or_default();
+            let colour = shot.colour.as_deref().and_then(|name| set.colour_index(name));
+            photos.shots.insert((light, colour), linear);
+        }
+        photos.warnings = file_warnings(shots.iter().map(|(shot, light)| (*shot, light)));
+        photos.check_sizes(set, subject)?;
+        Ok(photos)
+    }
+
+    fn check_sizes(&self, set: &CaptureSet, subject: Subject) -> Result<(), PipelineError> {
+        let expected = self.all().next().map(|photo| photo.linear.size());
+        let Some(expected) = expected else { return Ok(()) };
+        for (&(light, colour), shot) in &self.shots {
+            let found = shot.photo.linear.size();
+            if found != expected {
+                let light = set.lights.get(light).map(|light| light.name.as_str());
+                let colour = colour.map(|colour| set.colours[colour].name.as_str());
+                let file = set.shot(subject, light, colour).and_then(|shot| shot.files.first());
+                let path = set.resolve(file.map_or("", String::as_str));
+                return Err(PipelineError::PhotoSize { path, found, expected });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Reads every photo of a subject.
+pub fn load_subject(
+    set: &CaptureSet,
+    subject: Subject,
+    store: &PhotoStore,
+    watch: &dyn PipelineWatch,
+) -> Result<SubjectPhotos, PipelineError> {
+    // Shots of the same files side by side, as an RGB photo's three colours are.
+    let mut groups: IndexMap<&[String], Vec<&Shot>> = IndexMap::new();
+    set.shots_of(subject).for_each(|shot| groups.entry(&shot.files).or_default().push(shot));
+    let shots: Vec<&Shot> = groups.into_values().flatten().collect();
+    let lights = store.read(set, &shots, watch)?;
+    SubjectPhotos::of(set, subject, &shots.into_iter().zip(lights).collect::<Vec<_>>())
+}
+
+/// What the user should know of the files of some shots: a line for each kind of warning, with its first file and how many
+/// more there are.
+pub fn file_warnings<'a>(shots: impl Iterator<Item = (&'a Shot, &'a ShotLight)>) -> Vec<String> {
+    let mut kinds: IndexMap<_, Vec<&ImageWarning>> = IndexMap::new();
+    for (shot, light) in shots {
+        // Where the capture file gives a shot's encoding, none needs to be guessed.
+        let asks =
+            |warning: &&ImageWarning| !matches!(warning, ImageWarning::ProbablySrgb { .. } if shot.encoding.is_some());
+        for warning in light.iter().flat_map(|light| &light.warnings).filter(asks) {
+            let same = kinds.entry(std::mem::discriminant(warning)).or_default();
+            if !same.contains(&warning) {
+                same.push(warning);
+            }
+        }
+    }
+    let words = kinds.values().map(|same| match same.as_slice() {
+        [only] => only.to_string(),
+        [first, more @ ..] => format!("{first} (and {} more such files)", more.len()),
+        [] => String::new(),
+    });
+    words.collect()
+}

@@ -1,0 +1,260 @@
+//! From photos and rig to surfaces, step by step. `solve`, `evaluate` and the window run these steps.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use firstbounce_core::denoise::{DenoiseOptions, DenoiseReport};
+use firstbounce_core::mesh::{MeshOptions, from_depth};
+use firstbounce_core::methods::by_shape::ByShapeOptions;
+use firstbounce_core::separate::{LightPhotos, SeparateOptions, SeparateReport, Separation, separate};
+use firstbounce_core::stereo::normals::NormalsOptions;
+use firstbounce_core::stereo::shape::{Shape, ShapeOptions, recover_shape};
+use firstbounce_core::trust::{Trust, TrustOptions};
+use firstbounce_core::{Camera, Marks, Mesh, Plane, Watch};
+
+use super::methods::white_light;
+use super::watch::Part;
+use super::{
+    AlbedoScale, Calibrated, Found, Input, Known, Method, MethodReport, ObjectLevels, ObjectPhotos, PhotoStore,
+    PipelineError, PipelineWatch, Scene, Stage, StageCost, Surface, calibrate_for, judge, load_object,
+};
+use crate::set::{CaptureSet, ShapeSettings};
+
+/// How to get from photos to a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolveOptions {
+    /// The order m; `None` for the set's own.
+    pub bounces: Option<usize>,
+    /// The noise of the indirect light.
+    pub denoise: DenoiseOptions,
+    /// Names of lights that surfaces are recovered without.
+    pub left_out: Vec<String>,
+    /// Normals and depth.
+    pub shape: ShapeOptions,
+    /// Triangles.
+    pub mesh: MeshOptions,
+    /// How direct light is found.
+    pub method: Method,
+    /// For Nayar's method.
+    pub nayar: ByShapeOptions,
+    /// For methods that need it: what makes albedos absolute, before what the set's file gives.
+    pub scale: AlbedoScale,
+}
+
+impl SolveOptions {
+    /// As a set's file asks for; the defaults else.
+    pub fn of(shape: &ShapeSettings) -> Self {
+        let ShapeSettings { leave_out, shadow_share, misfit_share, rounds, indirect_window_px } = shape.clone();
+        let normals = NormalsOptions { shadow_fraction: shadow_share, outlier_fraction: misfit_share };
+        Self {
+            denoise: DenoiseOptions { radius_px: indirect_window_px, ..DenoiseOptions::default() },
+            left_out: leave_out,
+            shape: ShapeOptions { normals, rounds, ..ShapeOptions::default() },
+            ..Self::default()
+        }
+    }
+
+    /// The order m that a set is separated with. One colour has one bounce.
+    pub fn bounces_of(&self, set: &CaptureSet) -> usize {
+        if self.method.needs().all_colours { self.bounces.unwrap_or_else(|| set.bounces()) } else { 1 }
+    }
+
+    /// What trust is judged by.
+    pub fn trust(&self, bounces: usize) -> TrustOptions {
+        TrustOptions { bounces, denoise: self.denoise, ..TrustOptions::default() }
+    }
+}
+
+/// The bounces of every light.
+#[derive(Clone, Debug)]
+pub struct Separated {
+    /// By light.
+    pub lights: Vec<Separation>,
+    /// By light.
+    pub reports: Vec<SeparateReport>,
+}
+
+impl Separated {
+    /// Bounce 1 of every light as it is.
+    pub fn direct(&self) -> Vec<Direct> {
+        let direct = |separation: &Separation| Direct {
+            light: separation.bounces.first().cloned().unwrap_or_else(|| Plane::filled(0, 0, 0.0)),
+            noise: separation.direct_noise.clone(),
+            marks: separation.marks.clone(),
+            report: None,
+        };
+        self.lights.iter().map(direct).collect()
+    }
+}
+
+/// What photometric stereo takes of one light.
+#[derive(Clone, Debug)]
+pub struct Direct {
+    /// Direct light in the reference colour.
+    pub light: Plane,
+    /// Its predicted noise.
+    pub noise: Option<Plane>,
+    /// Marks of the separation.
+    pub marks: Marks,
+    /// How much noise it lost; `None` for light that was not denoised.
+    pub report: Option<DenoiseReport>,
+}
+
+/// All results of a set by one method.
+#[derive(Debug)]
+pub struct Solved {
+    /// The set, without the lights that the method did without.
+    pub set: Arc<CaptureSet>,
+    /// How it was solved.
+    pub options: SolveOptions,
+    /// What was photographed.
+    pub object: Arc<ObjectPhotos>,
+    /// The rig.
+    pub calibrated: Arc<Calibrated>,
+    /// The bounces.
+    pub separated: Arc<Separated>,
+    /// How far the bounces can be trusted; of a method that looks at one colour, how far its photos can.
+    pub trust: Trust,
+    /// By light, what the surface is recovered from.
+    pub direct: Arc<Vec<Direct>>,
+    /// The surface from the direct light, or why there is none; the bounces stand either way.
+    pub after: Result<Surface, PipelineError>,
+    /// The surface from the photos as they are, for comparison; `None` where `after` failed.
+    pub before: Option<Surface>,
+    /// What the method reports of itself.
+    pub report: MethodReport,
+    /// What each stage cost.
+    pub stages: Vec<StageCost>,
+}
+
+/// Runs every stage but the writing of files.
+pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch) -> Result<Solved, PipelineError> {
+    options.denoise.check()?;
+    let seen = options.method.set_of(set);
+    let store = PhotoStore::default();
+    let mut stages = Vec::new();
+    let object = StageCost::measure(&mut stages, Stage::Load, || load_object(&seen, &store, watch))?;
+    let bounces = options.bounces_of(&seen);
+    let calibrated =
+        StageCost::measure(&mut stages, Stage::Calibrate, || calibrate_for(&seen, bounces, &store, watch))?;
+    // The balls' photos are not looked at any more.
+    drop(store);
+    let scene = Scene { set: Cow::Borrowed(set), object: Cow::Owned(object), calibrated: Cow::Owned(calibrated) };
+    reconstruct(scene, None, options, stages, watch)
+}
+
+/// From photos and rig to surfaces by one method. `before` is the surface that the photos as they are show, where it is
+/// there already; `stages` is what was spent so far.
+pub fn reconstruct(
+    scene: Scene,
+    before: Option<Surface>,
+    options: &SolveOptions,
+    mut stages: Vec<StageCost>,
+    watch: &dyn PipelineWatch,
+) -> Result<Solved, PipelineError> {
+    let (method, needs) = (options.method, options.method.needs());
+    let set =
+        if needs.all_colours { scene.set.clone() } else { Cow::Owned(scene.set.without_lights(&options.left_out)) };
+    let scene = method.scene_of(scene, options);
+    let camera = scene.camera();
+    let white = StageCost::measure(&mut stages, Stage::Calibrate, || white_light_for(&scene, options, watch))?;
+    let raw = StageCost::measure(&mut stages, Stage::Separate, || raw_lights(&scene.object, watch))?;
+    let recover = |lights: &[Direct], (half, of), stages: &mut Vec<StageCost>| {
+        let part = Part::of(watch, Stage::Shape, half, of);
+        StageCost::measure(stages, Stage::Shape, || recover(&scene, lights, options, &part)).map(Arc::new)
+    };
+    let surface = |shape: Arc<Shape>, stages: &mut Vec<StageCost>| {
+        let mesh = StageCost::measure(stages, Stage::Mesh, || triangulate(&shape, &camera, &options.mesh))?;
+        Ok::<_, PipelineError>(Surface { shape, mesh: Arc::new(mesh) })
+    };
+
+    let mut shape_before = before.as_ref().map(|before| before.shape.clone());
+    if needs.surface_before && shape_before.is_none() {
+        shape_before = Some(recover(&raw.direct(), (0, 1), &mut stages)?);
+    }
+    let input =
+        Input { scene: &scene, raw: &raw, before: shape_before.as_deref(), white_light: white.as_ref(), options };
+    let found = StageCost::measure(&mut stages, method.stage(), || method.direct_light(&input, watch, &mut |_| {}))?;
+    let Found { separated, direct, shape, report } = found;
+    let trust_options = options.trust(options.bounces_of(&scene.set));
+    let trust = judge(&scene.set, &ObjectLevels::of(&scene.set, &scene.object), &scene.calibrated, &trust_options)?;
+
+    let shape = match shape {
+        Some(shape) => Ok(Arc::new(shape)),
+        None => recover(&direct, (0, 2), &mut stages),
+    };
+    let after = match shape.and_then(|shape| surface(shape, &mut stages)) {
+        Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
+        after => after,
+    };
+    let before = match (&after, before, shape_before) {
+        (Err(_), ..) => None,
+        (Ok(_), Some(before), _) => Some(before),
+        (Ok(_), None, Some(shape)) => Some(surface(shape, &mut stages)?),
+        (Ok(_), None, None) => {
+            let shape = recover(&raw.direct(), (1, 2), &mut stages)?;
+            Some(surface(shape, &mut stages)?)
+        }
+    };
+    Ok(Solved {
+        set: Arc::new(set.into_owned()),
+        options: options.clone(),
+        object: Arc::new(scene.object.into_owned()),
+        calibrated: Arc::new(scene.calibrated.into_owned()),
+        separated: Arc::new(separated),
+        trust,
+        direct: Arc::new(direct),
+        after,
+        before,
+        report,
+        stages,
+    })
+}
+
+/// The light of a white facet, for methods that need it.
+pub(super) fn white_light_for(
+    scene: &Scene,
+    options: &SolveOptions,
+    watch: &dyn PipelineWatch,
+) -> Result<Option<Known<f64>>, PipelineError> {
+    let find = || white_light(&scene.set, &scene.calibrated, &options.scale, watch);
+    options.method.needs().absolute_albedo.then(find).transpose()
+}
+
+/// The reference colour's photos as if all their light had bounced once: what photometric stereo sees uncorrected.
+pub fn raw_lights(object: &ObjectPhotos, watch: &dyn PipelineWatch) -> Result<Separated, PipelineError> {
+    let one_bounce = |l: usize| {
+        let (photos, noise) = ([&*object.photos[l][0]], [object.noise[l][0]]);
+        let light = LightPhotos { photos: &photos, noise: &noise, alpha: &[1.0], beta: &[1.0], mask: &object.mask };
+        let part = Part::of(watch, Stage::Separate, l, object.photos.len());
+        Ok(separate(&light, &SeparateOptions { bounces: 1 }, &part)?)
+    };
+    let all = (0..object.photos.len()).map(one_bounce).collect::<Result<Vec<_>, PipelineError>>()?;
+    let (lights, reports) = all.into_iter().unzip();
+    Ok(Separated { lights, reports })
+}
+
+/// The surface that bounce 1 of `lights` shows; they are those of the set, in its order.
+pub fn recover(
+    scene: &Scene,
+    lights: &[Direct],
+    options: &SolveOptions,
+    watch: &dyn Watch,
+) -> Result<Shape, PipelineError> {
+    let direct = scene.direct_lights(lights, &options.left_out)?;
+    Ok(recover_shape(&direct, &scene.object.mask, &scene.camera(), &options.shape, watch)?)
+}
+
+/// The depth as triangles, coloured by albedo relative to the brightest part.
+pub fn triangulate(shape: &Shape, camera: &Camera, options: &MeshOptions) -> Result<Mesh, PipelineError> {
+    let albedo = relative_albedo(&shape.normals.albedo);
+    Ok(from_depth(&shape.depth.depth_mm, &shape.depth.mask, camera, Some(&shape.normals.map), Some(&albedo), options)?
+        .0)
+}
+
+/// Albedo over its largest value: a mesh's colours end at 1.
+pub(crate) fn relative_albedo(albedo: &Plane) -> Plane {
+    let largest = albedo.data().iter().copied().fold(0.0, f32::max).max(f32::MIN_POSITIVE);
+    let data = albedo.data().iter().map(|value| value / largest).collect();
+    Plane::from_vec(albedo.width(), albedo.height(), data).unwrap_or_else(|| albedo.clone())
+}

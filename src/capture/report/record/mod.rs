@@ -1,0 +1,18 @@
+//! Records: every number of a run by the words of the capture file, for `--json` and `report.json`.
+
+mod calibration;
+mod export;
+mod inputs;
+mod nayar;
+mod options;
+mod run;
+mod trust;
+
+pub use calibration::{CalibrationRecord, CircleRecord, IntervalRecord, Row, SourceRecord};
+pub(crate) use export::unit_word;
+pub use export::{DecimationRecord, ExportRecord, MeshFormatRecord};
+pub use inputs::{InputRecord, input_records};
+pub use nayar::NayarRecord;
+pub use options::OptionsRecord;
+pub use run::{Conventions, DepthRecord, MeshRecord, Report, SCHEMA, SetRecord, ShapeRecord};
+pub use trust::{ReasonRecord, TrustRecord};

@@ -1,0 +1,242 @@
+//! Subjects and balls: one row for each, with all that is asked of it.
+
+use std::fmt;
+
+use super::word::Word;
+
+/// What a shot shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Subject {
+    /// The object whose shape is wanted.
+    #[default]
+    Object,
+    /// A neutral matte ball: gives alpha, intensity and a second direction.
+    GreySphere,
+    /// A ball of the object's own paint: gives beta.
+    MaterialSphere,
+    /// A mirror ball: gives the direction.
+    MirrorSphere,
+    /// The cap on the lens: subtracted.
+    Dark,
+    /// A uniform field: divided by.
+    FlatField,
+}
+
+/// What a ball is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum SphereKind {
+    /// Neutral and matte.
+    #[default]
+    Grey,
+    /// The object's own paint.
+    Material,
+    /// A mirror.
+    Mirror,
+}
+
+/// Whether a shot names its light, or its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Naming {
+    /// It has to.
+    Required,
+    /// It can.
+    Optional,
+    /// It cannot.
+    Refused,
+}
+
+/// All that is asked of a subject.
+struct SubjectRow {
+    /// How the file spells it, and what folders of its photos are called.
+    word: &'static str,
+    title: &'static str,
+    /// The ball that fills its shots.
+    sphere: Option<SphereKind>,
+    /// Whether it sends on the light of every colour: such a subject is photographed in each.
+    matte: bool,
+    light: Naming,
+    colour: Naming,
+    /// Words for it in the names of files.
+    names: &'static [&'static str],
+}
+
+/// All that is asked of a kind of ball.
+struct SphereRow {
+    word: &'static str,
+    title: &'static str,
+    /// The shots that it fills by itself.
+    subject: Subject,
+}
+
+impl Subject {
+    const fn row(self) -> SubjectRow {
+        use Naming::{Optional, Refused, Required};
+        match self {
+            Self::Object => SubjectRow {
+                word: "object",
+                title: "Object",
+                sphere: None,
+                matte: true,
+                light: Required,
+                colour: Required,
+                names: &["object", "obj", "scene", "sample", "target"],
+            },
+            Self::GreySphere => SubjectRow {
+                word: "grey-sphere",
+                title: SphereKind::Grey.title(),
+                sphere: Some(SphereKind::Grey),
+                matte: true,
+                light: Required,
+                colour: Required,
+                names: &["grey-sphere", "gray-sphere", "grey-ball", "gray-ball", "grey", "gray"],
+            },
+            Self::MaterialSphere => SubjectRow {
+                word: "material-sphere",
+                title: SphereKind::Material.title(),
+                sphere: Some(SphereKind::Material),
+                matte: true,
+                light: Required,
+                colour: Required,
+                names: &["material-sphere", "material-ball", "material", "paint-ball", "paint-sphere", "paint"],
+            },
+            Self::MirrorSphere => SubjectRow {
+                word: "mirror-sphere",
+                title: SphereKind::Mirror.title(),
+                sphere: Some(SphereKind::Mirror),
+                matte: false,
+                light: Required,
+                colour: Optional,
+                names: &["mirror-sphere", "mirror-ball", "mirror", "chrome-ball", "chrome-sphere", "chrome"],
+            },
+            Self::Dark => SubjectRow {
+                word: "dark",
+                title: "Dark frame",
+                sphere: None,
+                matte: false,
+                light: Refused,
+                colour: Refused,
+                names: &["dark", "darks", "dark-frame", "black"],
+            },
+            Self::FlatField => SubjectRow {
+                word: "flat-field",
+                title: "Flat field",
+                sphere: None,
+                matte: false,
+                light: Optional,
+                colour: Optional,
+                names: &["flat-field", "flat", "flats", "white"],
+            },
+        }
+    }
+
+    /// What the user calls it: "Grey ball".
+    pub fn title(self) -> &'static str {
+        self.row().title
+    }
+
+    /// The kind of ball that fills this subject's shots.
+    pub fn sphere_kind(self) -> Option<SphereKind> {
+        self.row().sphere
+    }
+
+    /// Whether it is photographed in every colour.
+    pub fn is_matte(self) -> bool {
+        self.row().matte
+    }
+
+    /// Whether its shots name their light.
+    pub fn light(self) -> Naming {
+        self.row().light
+    }
+
+    /// Whether its shots name their colour.
+    pub fn colour(self) -> Naming {
+        self.row().colour
+    }
+
+    /// Words for it in the names of files; a hyphen stands for any or no separator.
+    pub(super) fn names(self) -> &'static [&'static str] {
+        self.row().names
+    }
+}
+
+impl SphereKind {
+    const fn row(self) -> SphereRow {
+        match self {
+            Self::Grey => SphereRow { word: "grey", title: "Grey ball", subject: Subject::GreySphere },
+            Self::Material => {
+                SphereRow { word: "material", title: "Ball of the paint", subject: Subject::MaterialSphere }
+            }
+            Self::Mirror => SphereRow { word: "mirror", title: "Mirror ball", subject: Subject::MirrorSphere },
+        }
+    }
+
+    /// What the user calls it: "Grey ball".
+    pub const fn title(self) -> &'static str {
+        self.row().title
+    }
+
+    /// The shots that a ball of this kind fills by itself.
+    pub fn subject(self) -> Subject {
+        self.row().subject
+    }
+}
+
+impl Word for Subject {
+    const ALL: &'static [Self] =
+        &[Self::Object, Self::GreySphere, Self::MaterialSphere, Self::MirrorSphere, Self::Dark, Self::FlatField];
+
+    fn word(self) -> &'static str {
+        self.row().word
+    }
+}
+
+impl Word for SphereKind {
+    const ALL: &'static [Self] = &[Self::Grey, Self::Material, Self::Mirror];
+
+    fn word(self) -> &'static str {
+        self.row().word
+    }
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.word())
+    }
+}
+
+impl fmt::Display for SphereKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.word())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ball_and_the_shots_that_it_fills_name_each_other() {
+        for &kind in SphereKind::ALL {
+            assert_eq!(kind.subject().sphere_kind(), Some(kind));
+        }
+        assert_eq!(
+            Subject::ALL.iter().filter(|subject| subject.sphere_kind().is_some()).count(),
+            SphereKind::ALL.len()
+        );
+    }
+
+    #[test]
+    fn what_is_photographed_in_every_colour_names_light_and_colour() {
+        for subject in Subject::ALL.iter().filter(|subject| subject.is_matte()) {
+            assert_eq!((subject.light(), subject.colour()), (Naming::Required, Naming::Required), "{subject}");
+        }
+    }
+
+    #[test]
+    fn one_word_in_a_file_name_means_one_subject() {
+        let names: Vec<&str> = Subject::ALL.iter().flat_map(|subject| subject.names()).copied().collect();
+        let once = |name: &&str| names.iter().filter(|other| other == &name).count() == 1;
+        assert!(names.iter().all(once), "{names:?}");
+    }
+}

@@ -1,0 +1,13 @@
+//! Files of every kind, from outside the crate: one program, so that the decoders are linked once.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+mod hostile_images;
+mod image_errors;
+mod image_formats;
+mod linear_light;
+mod mesh_files;
+mod mesh_variants;
+mod pictures;
+mod rig_and_captures;
+mod shared_pictures;
