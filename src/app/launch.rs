@@ -12,7 +12,7 @@ use eframe::egui::{Context, Ui, ViewportBuilder};
 use eframe::{App, CreationContext, NativeOptions, egui_wgpu, wgpu};
 
 use crate::app::base::dialogs::SystemDialogs;
-use crate::app::base::jobs::let_workers_stand_back;
+use crate::app::base::jobs::lower_priority_of_workers;
 use crate::app::state::document::save_everything_now;
 use crate::app::state::preferences::Folders;
 use crate::app::state::session::Open;
@@ -42,12 +42,12 @@ pub fn run(start: Start) -> anyhow::Result<()> {
     if !has_display() {
         bail!("there is no display to open a window on (DISPLAY and WAYLAND_DISPLAY are not set); {ELSEWHERE}");
     }
-    // A set that cannot be opened at all is told where it was asked for, not in a window.
+    // A set that cannot be opened at all is reported where it was asked for, not in a window.
     if let Start::Set(path) = &start {
         crate::app::state::document::Editor::open(path)?;
     }
     guard_document();
-    let_workers_stand_back();
+    lower_priority_of_workers();
     let kept = Kept::default();
     let mut losses = Losses::default();
     let mut again = true;
@@ -183,7 +183,7 @@ fn panic_words(payload: &(dyn std::any::Any + Send)) -> String {
     text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "something went wrong".into())
 }
 
-/// What a person can do about a window that does not open.
+/// What the user can do about a window that does not open.
 fn explain(reason: &str) -> anyhow::Error {
     let reason = reason.replace('\n', " ");
     let lower = reason.to_lowercase();

@@ -1,7 +1,7 @@
 //! The window: a document, results computed from it, and panels and views that show both.
 //!
 //! The floors, each of which imports only from those below it: [`window`] (with its commands), [`panels`], [`views`], [`state`].
-//! Beside them stand `widgets`, which know nothing of a set, and [`base`]: jobs and dialogs. [`state::session::Session`] is the
+//! Beside them are `widgets`, which know nothing of a set, and [`base`]: jobs and dialogs. [`state::session::Session`] is the
 //! open set; [`window::Window`] is the window around it.
 
 pub mod base;

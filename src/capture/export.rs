@@ -11,7 +11,7 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
-use firstbounce_core::{NormalMap, Plane};
+use firstbounce_core::NormalMap;
 use indexmap::IndexMap;
 
 use crate::atomic::{OutputFolder, OutputRules, WriteError};

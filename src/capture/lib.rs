@@ -1,9 +1,28 @@
-//! What lies on disk, and the pipeline that turns a capture set into a mesh, stage by stage.
+//! Files on disk, and the pipeline that turns a capture set into a mesh, stage by stage.
+//!
+//! The demo set, from its photos to a mesh:
+//!
+//! ```
+//! use firstbounce_capture::export::{OutputOptions, write_solved};
+//! use firstbounce_capture::pipeline::{SolveOptions, Unattended, solve};
+//! use firstbounce_capture::{CaptureSet, OutputFolder};
+//!
+//! let set = CaptureSet::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/demo"))?;
+//! let results = tempfile::tempdir()?;
+//!
+//! let solved = solve(&set, &SolveOptions::default(), &Unattended)?;
+//! let output = OutputFolder::stage(results.path())?;
+//! let report = write_solved(&set, &solved, output, &OutputOptions::default(), &Unattended)?;
+//!
+//! assert!(results.path().join("mesh.ply").is_file());
+//! assert!(report.shape.is_some_and(|shape| shape.mesh.triangles > 100_000));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod atomic;
+pub mod export;
 #[doc = include_str!("FORMAT.md")]
 pub mod format {}
-pub mod export;
 pub mod image_file;
 pub mod light_file;
 pub mod mesh_file;

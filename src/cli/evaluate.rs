@@ -38,7 +38,7 @@ fn text(evaluation: &Evaluation) -> String {
     };
     let errors = &evaluation.normal_error_deg;
     let mut rows = vec![row(["normals from", "mean error, degrees", "median", "depth rmse, mm"])];
-    rows.push(angles("photos as they are", errors.raw, evaluation.depth_rmse_raw_mm));
+    rows.push(angles("photos before separation", errors.raw, evaluation.depth_rmse_raw_mm));
     let separated = format!("bounce 1 of {}", evaluation.bounces);
     rows.push(angles(&separated, errors.separated, evaluation.depth_rmse_mm));
     for (name, of_method) in &evaluation.methods {

@@ -17,7 +17,7 @@ use super::progress::Terminal;
 use super::table::{row, table};
 use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
 
-/// Folder for results whose place nobody names.
+/// Folder for results that are given none.
 const OUTPUT_FOLDER: &str = "out";
 
 #[derive(Args, Debug)]
@@ -38,7 +38,7 @@ pub struct SolveArgs {
 /// How to get from photos to normals.
 #[derive(Args, Debug)]
 pub struct MethodArgs {
-    /// How many bounces to tell apart [default: the set's own]
+    /// How many bounces to separate [default: the set's own]
     #[arg(long, value_name = "M")]
     bounces: Option<usize>,
     /// Half width of the window in which the noise of indirect light is averaged before normals are found; 0 for none
@@ -158,7 +158,7 @@ pub fn default_place(name: impl AsRef<Path>) -> Result<PathBuf, WriteError> {
     Ok(place)
 }
 
-/// What a person wants to know when it is done.
+/// The summary of a finished run, for the user.
 pub fn summary(report: &Report, folder: &Path) -> String {
     let mut lines = match (&report.nayar, report.method) {
         (Some(nayar), _) => nayar_lines(report, nayar),

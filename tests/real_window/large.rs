@@ -36,7 +36,7 @@ fn frames_at_24_mpx() {
     // The inspector has a section of the same name as the menu's group.
     let inspector = || {
         reader.press("View");
-        reader.press("Show or hide the inspector");
+        reader.press("Toggle inspector");
     };
     inspector();
     reader.press("Picture: Photo, left, blue");
@@ -45,9 +45,9 @@ fn frames_at_24_mpx() {
     inspector();
     reader.press("Help");
     reader.press("Frame times");
-    reader.find("Count anew");
+    reader.find("Count again");
     std::thread::sleep(Duration::from_secs(5));
-    reader.press("Count anew");
+    reader.press("Count again");
     drag(&desktop, reader.place(&reader.find("beta of green")), "1");
     println!("drag of beta:\n{}", report(&desktop, &program));
 
@@ -58,7 +58,7 @@ fn frames_at_24_mpx() {
     reader.press("Show the surface in 3D");
     reader.find("Surface in 3D");
     std::thread::sleep(Duration::from_secs(5));
-    reader.press("Count anew");
+    reader.press("Count again");
     drag(&desktop, reader.place(&reader.find("Surface in 3D")), "4");
     println!("turning the surface:\n{}", report(&desktop, &program));
 }

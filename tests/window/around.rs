@@ -121,7 +121,7 @@ fn a_set_dropped_is_opened_and_photos_dropped_on_it_are_added() {
     hands.drop_files(&[demo.join("object")]);
     assert_eq!(hands.session().panel, PanelName::Captures);
     assert!(hands.sees("6 files to add"));
-    hands.click_button("Leave these files out");
+    hands.click_button("Discard");
     assert!(!hands.sees("files to add"));
 }
 
@@ -142,14 +142,14 @@ fn another_set_dropped_asks_before_unsaved_edits_are_left() {
     firstbounce::demo::unpack(&other).unwrap();
     hands.drop_files(std::slice::from_ref(&other));
     assert!(hands.sees("Save the changes to Blue corner?"));
-    hands.click_button("Stay");
+    hands.click_button("Cancel");
     assert_eq!(hands.session().document().set.bounces(), 1);
     hands.drop_files(std::slice::from_ref(&other));
-    hands.click_button("Do not save");
+    hands.click_button("Discard changes");
     assert_eq!(hands.session().document().set.folder, other);
 }
 
-/// The demo with its normals in view, compared with those of the photos as they are.
+/// The demo with its normals in view, compared with those before.
 fn comparing() -> Hands {
     let mut hands = Hands::with_demo();
     hands.rest();
@@ -215,7 +215,7 @@ fn a_set_that_is_edited_asks_before_the_demo_takes_its_place() {
     hands.run(CommandId::OpenDemo);
     hands.steps();
     assert!(hands.sees("Save the changes to Blue corner?"));
-    hands.click_button("Stay");
+    hands.click_button("Cancel");
     let set = hands.folder.path().join("set");
     assert_eq!(hands.session().document().set.folder, set);
     hands.open(Open::Set(set));
@@ -243,7 +243,7 @@ fn work_that_was_cancelled_says_so_and_is_taken_up_again_on_demand() {
     hands.session().open(Open::Set(set));
     hands.run(CommandId::CancelJobs);
     hands.harness.run_steps(1);
-    hands.wait_to_see("cancelled; \"Compute again what failed\" (F9) starts it anew");
+    hands.wait_to_see("cancelled; \"Retry\" (F9) starts it again");
     hands.press(Modifiers::NONE, Key::F9);
     hands.rest();
     assert!(hands.session().results.meshes().is_some());

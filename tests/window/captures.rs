@@ -30,7 +30,7 @@ fn a_folder_of_unnamed_files_is_assigned_by_hand() {
     let folder = folder(&hands, &["DSC0001.png", "DSC0002.png"]);
     hands.drop_files(std::slice::from_ref(&folder));
     assert!(hands.sees("2 files to add"));
-    assert!(hands.sees("2 files do not say what they are"));
+    assert!(hands.sees("2 files are not recognised"));
     for (file, colour) in [("DSC0001.png", "blue"), ("DSC0002.png", "green")] {
         hands.name_by_hand(&format!("Light of {file}"), "left");
         hands.name_by_hand(&format!("Colour of {file}"), colour);

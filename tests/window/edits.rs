@@ -62,7 +62,7 @@ fn the_shape_panel_leaves_no_fewer_than_three_lights_and_shows_before_and_after(
     hands.press(Modifiers::COMMAND, Key::Num4);
     assert_eq!(hands.session().panel, PanelName::Shape);
     assert!(hands.sees("Use left"));
-    assert!(hands.sees("The normals turned by"));
+    assert!(hands.sees("Mean change of the normals"));
     hands.harness.get_by_label("Use left").click();
     hands.steps();
     assert!(hands.session().document().set.shape.leave_out.is_empty());

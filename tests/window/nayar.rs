@@ -109,7 +109,7 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     tick(&mut hands);
     assert!(!offered(&mut hands) && !hands.sees("Convergence of Nayar's method"));
     let document = hands.session().document();
-    let why = picture(&Shown::Normals(SURFACE), &document, &hands.session().results).unwrap_err();
+    let why = picture(&Shown::Normals(SURFACE), &document, &hands.session().results).unwrap_err().to_string();
     assert!(why.contains(TICK), "{why}");
 }
 

@@ -132,13 +132,13 @@ fn two_clicks_are_a_distance_and_a_section_is_plotted() {
 fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     let mut hands = with_surface();
     hands.click_button("Layers");
-    hands.harness.get_by_role_and_label(Role::CheckBox, "Show raw photos").click();
+    hands.harness.get_by_role_and_label(Role::CheckBox, "Show before").click();
     hands.steps();
     assert!(look(&mut hands).before.visible);
     hands.press(Modifiers::NONE, Key::Escape);
-    assert!(value(&hands).starts_with("bounce 1 and raw photos, "), "{}", value(&hands));
+    assert!(value(&hands).starts_with("bounce 1 and before, "), "{}", value(&hands));
     hands.click_button("Layers");
-    hands.harness.get_by_role_and_label(Role::CheckBox, "Show raw photos").click();
+    hands.harness.get_by_role_and_label(Role::CheckBox, "Show before").click();
     hands.steps();
     hands.press(Modifiers::NONE, Key::Escape);
 
@@ -146,7 +146,7 @@ fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     hands.steps();
     hands.harness.key_down(Key::B);
     hands.harness.run_steps(2);
-    assert!(value(&hands).starts_with("raw photos, "), "{}", value(&hands));
+    assert!(value(&hands).starts_with("before, "), "{}", value(&hands));
     hands.harness.key_up(Key::B);
     hands.harness.run_steps(2);
     assert!(value(&hands).starts_with("bounce 1, "));

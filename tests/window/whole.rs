@@ -121,14 +121,14 @@ fn a_folder_of_names_that_tell_nothing_is_dropped_assigned_by_hand_and_solved() 
         std::fs::copy(demo.join(format!("object/{light}-{colour}.png")), shoot.join(file)).unwrap();
     }
     hands.drop_files(std::slice::from_ref(&shoot));
-    hands.wait_to_see("6 files do not say what they are");
+    hands.wait_to_see("6 files are not recognised");
     for (file, light, colour) in UNNAMED {
         hands.name_by_hand(&format!("Light of {file}"), light);
         hands.name_by_hand(&format!("Colour of {file}"), colour);
     }
     hands.click_button("Add 6 files");
     hands.rest();
-    let why = "Beta is not known";
+    let why = "Beta is unknown";
     hands.open_step("3  Separate");
     assert!(hands.sees(why), "a step that cannot be done says what is missing");
 
@@ -144,7 +144,7 @@ fn a_folder_of_names_that_tell_nothing_is_dropped_assigned_by_hand_and_solved() 
     hands.rest();
 
     hands.open_step("4  Shape");
-    assert!(hands.sees("The normals turned by"));
+    assert!(hands.sees("Mean change of the normals"));
     hands.press(Modifiers::COMMAND, Key::S);
     let saved = firstbounce_capture::CaptureSet::open(&shoot).unwrap();
     assert!(saved.check().is_empty());

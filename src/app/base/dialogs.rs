@@ -1,4 +1,4 @@
-//! The system's file dialogs, behind a trait: tests answer in the place of a person.
+//! The system's file dialogs, behind a trait: tests answer in the place of the user.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ pub enum Choose {
     NewFile,
 }
 
-/// Asks a person for a path, and waits for the answer: call it off the UI thread. Empty: cancelled, or this system has no
+/// Asks the user for a path, and waits for the answer: call it off the UI thread. Empty: cancelled, or this system has no
 /// dialog; that is why there is a path field beside every button that asks.
 pub trait Dialogs: Send + Sync {
     /// Asks, starting in `near`.
@@ -31,7 +31,7 @@ pub trait Dialogs: Send + Sync {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SystemDialogs;
 
-/// The endings of the files that a dialog offers, in small and in capital letters: where a system tells the two apart, a
+/// The endings of the files that a dialog offers, in small and in capital letters: where a system distinguishes the two, a
 /// camera's ".JPG" must not be hidden.
 fn endings<'e>(extensions: impl Iterator<Item = &'e str>) -> Vec<String> {
     extensions.flat_map(|extension| [extension.to_owned(), extension.to_uppercase()]).collect()
@@ -69,8 +69,12 @@ mod tests {
     #[test]
     fn a_dialog_offers_every_picture_that_is_read_in_small_and_capital_letters() {
         let offered = picture_endings();
+        let offers = |ending: &str| offered.iter().any(|offered| offered == ending);
+        for ending in Format::ALL.iter().flat_map(|format| format.extensions()) {
+            assert!(offers(ending) && offers(&ending.to_uppercase()), "{ending} in {offered:?}");
+        }
         for ending in ["hdr", "pic", "rgbe", "jpe", "JPG", "TIF"] {
-            assert!(offered.iter().any(|offered| offered == ending), "{ending} in {offered:?}");
+            assert!(offers(ending), "{ending} in {offered:?}");
         }
     }
 }

@@ -1,11 +1,14 @@
 //! Work off the UI thread, with a name, progress and cancel.
 
+use std::convert::Infallible;
+use std::error::Error;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{self, TryRecvError};
 use std::sync::{Arc, Weak};
 
 use firstbounce_capture::pipeline::{PipelineWatch, Stage};
 use firstbounce_core::Watch;
+use thiserror::Error as ThisError;
 
 /// Asks for a repaint, from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -25,7 +28,7 @@ pub struct Job {
 }
 
 impl Job {
-    /// What the person sees.
+    /// What the user sees.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -40,7 +43,7 @@ impl Job {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Whether somebody asked it to stop.
+    /// Whether it was asked to stop.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
@@ -69,10 +72,24 @@ impl PipelineWatch for Job {
     }
 }
 
+/// Why a job gave no result, in one line for the user.
+#[derive(Clone, Debug, ThisError)]
+pub enum JobError {
+    /// The work failed.
+    #[error("{}", .0.to_string().replace('\n', " "))]
+    Failed(Arc<dyn Error + Send + Sync>),
+    /// It ended without an outcome.
+    #[error("{name} stopped unexpectedly")]
+    Lost {
+        /// The job.
+        name: String,
+    },
+}
+
 /// Work that was started and will give a `T`.
 pub struct Task<T> {
     job: Arc<Job>,
-    outcome: mpsc::Receiver<Result<T, String>>,
+    outcome: mpsc::Receiver<Result<T, JobError>>,
 }
 
 impl<T> Task<T> {
@@ -81,12 +98,12 @@ impl<T> Task<T> {
         &self.job
     }
 
-    /// What came out, once; `None` while the work goes on. An error is one line for a person.
-    pub fn poll(&self) -> Option<Result<T, String>> {
+    /// What came out, once; `None` while the work goes on.
+    pub fn poll(&self) -> Option<Result<T, JobError>> {
         match self.outcome.try_recv() {
             Ok(outcome) => Some(outcome),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err(format!("{} stopped unexpectedly", self.job.name))),
+            Err(TryRecvError::Disconnected) => Some(Err(JobError::Lost { name: self.job.name.clone() })),
         }
     }
 }
@@ -97,16 +114,16 @@ pub fn drop_aside<T: Send + 'static>(large: T) {
     let _ = std::thread::Builder::new().name("drop".into()).spawn(move || drop(large));
 }
 
-/// Lets the threads that compute stand back behind the one that draws, on systems that tell threads apart. Once, before
+/// Lowers the priority of the threads that compute below that of the one that draws, on systems that rank threads. Once, before
 /// anything is computed; work that has begun keeps its threads as they are.
-pub fn let_workers_stand_back() {
-    let pool = rayon::ThreadPoolBuilder::new().start_handler(|_| stand_back());
+pub fn lower_priority_of_workers() {
+    let pool = rayon::ThreadPoolBuilder::new().start_handler(|_| lower_priority());
     // A pool that is there already only computes more eagerly.
     let _ = pool.build_global();
 }
 
 /// Where it is refused the thread goes on as it was.
-fn stand_back() {
+fn lower_priority() {
     #[cfg(target_os = "linux")]
     let _ = rustix::process::setpriority_process(None, NICENESS);
 }
@@ -124,10 +141,10 @@ impl Jobs {
     }
 
     /// Runs `work` on its own thread under a name: "Export report".
-    pub fn start<T: Send + 'static>(
+    pub fn start<T: Send + 'static, E: Error + Send + Sync + 'static>(
         &mut self,
         name: impl Into<String>,
-        work: impl FnOnce(&Job) -> Result<T, String> + Send + 'static,
+        work: impl FnOnce(&Job) -> Result<T, E> + Send + 'static,
     ) -> Task<T> {
         let job = Arc::new(Job {
             name: name.into(),
@@ -140,19 +157,28 @@ impl Jobs {
         let (sender, outcome) = mpsc::channel();
         let at_work = job.clone();
         std::thread::spawn(move || {
-            stand_back();
+            lower_priority();
             // Dropped last, also when the work panics: whoever wakes finds the outcome there and the job gone.
             let _wake = WakeOnDrop(at_work.wake.clone());
             let (sender, at_work) = (sender, at_work);
-            let result = work(&at_work);
+            let result = work(&at_work).map_err(|error| JobError::Failed(Arc::new(error)));
             drop(at_work);
-            // Nobody may be waiting any more.
+            // The receiver may be gone.
             let _ = sender.send(result);
         });
         Task { job, outcome }
     }
 
-    /// The jobs that are at work, the oldest first.
+    /// The same for work that cannot fail.
+    pub fn compute<T: Send + 'static>(
+        &mut self,
+        name: impl Into<String>,
+        work: impl FnOnce(&Job) -> T + Send + 'static,
+    ) -> Task<T> {
+        self.start(name, |job| Ok::<_, Infallible>(work(job)))
+    }
+
+    /// The jobs that are running, the oldest first.
     pub fn running(&self) -> Vec<Arc<Job>> {
         // A task that waits to be polled holds its job too: two owners are at work, one is done.
         self.running.iter().filter(|job| job.strong_count() > 1).filter_map(Weak::upgrade).collect()

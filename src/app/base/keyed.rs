@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::jobs::{Job, Task};
+use super::jobs::{Job, JobError, Task};
 
 /// Results of type `T` that depend on a `K`. Work that was asked for runs to its end before the next begins.
 pub struct Keyed<K, T> {
     running: Option<(K, Task<T>)>,
-    last: Option<(K, Result<Arc<T>, String>)>,
+    last: Option<(K, Result<Arc<T>, JobError>)>,
 }
 
 impl<K, T> Default for Keyed<K, T> {
@@ -18,7 +18,7 @@ impl<K, T> Default for Keyed<K, T> {
 
 impl<K: PartialEq, T> Keyed<K, T> {
     /// Takes what is finished. Once a frame; the outcome where it has just come.
-    pub fn poll(&mut self) -> Option<&Result<Arc<T>, String>> {
+    pub fn poll(&mut self) -> Option<&Result<Arc<T>, JobError>> {
         let outcome = self.running.as_ref()?.1.poll()?;
         let (key, _) = self.running.take()?;
         let (_, last) = self.last.insert((key, outcome.map(Arc::new)));
@@ -35,18 +35,28 @@ impl<K: PartialEq, T> Keyed<K, T> {
         self.running = Some((key, task));
     }
 
+    /// Keeps an outcome that was taken, under the key that it now has.
+    pub fn keep(&mut self, key: K, outcome: Result<Arc<T>, JobError>) {
+        self.last = Some((key, outcome));
+    }
+
     /// The work that runs.
     pub fn running(&self) -> Option<&Job> {
         self.running.as_ref().map(|(_, task)| task.job())
     }
 
+    /// Whether work for `key` runs.
+    pub fn runs(&self, key: &K) -> bool {
+        self.running.as_ref().is_some_and(|(running, _)| running == key)
+    }
+
     /// The last outcome, and the key that it is of.
-    pub fn last(&self) -> Option<(&K, &Result<Arc<T>, String>)> {
+    pub fn last(&self) -> Option<(&K, &Result<Arc<T>, JobError>)> {
         self.last.as_ref().map(|(key, outcome)| (key, outcome))
     }
 
     /// The last outcome, if it is that of `key`.
-    pub fn of(&self, key: &K) -> Option<&Result<Arc<T>, String>> {
+    pub fn of(&self, key: &K) -> Option<&Result<Arc<T>, JobError>> {
         self.last().filter(|(last, _)| *last == key).map(|(_, outcome)| outcome)
     }
 
@@ -56,8 +66,14 @@ impl<K: PartialEq, T> Keyed<K, T> {
     }
 
     /// The last outcome, if it is an error.
-    pub fn error(&self) -> Option<&str> {
-        self.last()?.1.as_ref().err().map(String::as_str)
+    pub fn error(&self) -> Option<&JobError> {
+        self.last()?.1.as_ref().err()
+    }
+
+    /// Takes what is finished off the hands of this: the outcome and its key, once. For work whose result is put elsewhere.
+    pub fn take(&mut self) -> Option<(K, Result<Arc<T>, JobError>)> {
+        self.poll()?;
+        self.last.take()
     }
 }
 
@@ -75,7 +91,7 @@ mod tests {
     use super::super::jobs::Jobs;
     use super::*;
 
-    fn finished(keyed: &mut Keyed<u32, u32>) -> Result<Arc<u32>, String> {
+    fn finished(keyed: &mut Keyed<u32, u32>) -> Result<Arc<u32>, JobError> {
         loop {
             if let Some(outcome) = keyed.poll() {
                 return outcome.clone();
@@ -89,14 +105,14 @@ mod tests {
         let mut jobs = Jobs::new(Arc::new(|| ()));
         let mut keyed = Keyed::<u32, u32>::default();
         assert!(keyed.wants(&1));
-        keyed.start(1, jobs.start("one", |_| Ok(10)));
+        keyed.start(1, jobs.compute("one", |_| 10));
         assert!(!keyed.wants(&2), "one at a time");
-        assert_eq!(finished(&mut keyed), Ok(Arc::new(10)));
+        assert_eq!(finished(&mut keyed).ok(), Some(Arc::new(10)));
         assert!(!keyed.wants(&1) && keyed.wants(&2));
-        keyed.start(2, jobs.start("two", |_| Err("no".into())));
+        keyed.start(2, jobs.start("two", |_| Err::<u32, _>(std::fmt::Error)));
         assert_eq!(keyed.ready().map(|ten| **ten), Some(10));
         assert!(finished(&mut keyed).is_err());
-        assert_eq!((keyed.error(), keyed.ready()), (Some("no"), None));
+        assert_eq!((keyed.error().is_some(), keyed.ready()), (true, None));
         assert!(keyed.of(&1).is_none() && keyed.of(&2).is_some() && !keyed.wants(&2), "a failure is not tried again");
     }
 

@@ -1,4 +1,4 @@
-//! What every floor stands on: work off the UI thread, the system's file dialogs, counting.
+//! The base of every floor: work off the UI thread, the system's file dialogs, counting.
 
 pub mod bars;
 pub mod dialogs;

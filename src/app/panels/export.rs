@@ -12,7 +12,7 @@ use firstbounce_core::mesh::decimate::DecimateOptions;
 
 use super::Panel;
 use crate::app::base::dialogs::Choose;
-use crate::app::base::jobs::Task;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::document::Document;
 use crate::app::state::results::{StageState, SurfaceName, last_stage_of};
 use crate::app::state::session::Session;
@@ -29,8 +29,7 @@ pub struct Export {
     surface: Option<SurfaceName>,
     /// What the triangles were limited to before they were not.
     triangles: DecimateOptions,
-    writing: Option<(PathBuf, Task<Report>)>,
-    written: Option<(PathBuf, Report)>,
+    written: Keyed<PathBuf, Report>,
 }
 
 impl Panel for Export {
@@ -51,7 +50,7 @@ impl Panel for Export {
         ui.add_space(6.0);
         part(ui, "write", |ui| self.button(ui, session));
         self.take_written(session);
-        if let Some((folder, report)) = &self.written {
+        if let Some((folder, Ok(report))) = self.written.last() {
             contents(ui, folder, report);
         }
     }
@@ -132,17 +131,18 @@ impl Export {
         let document = session.document();
         let name = self.surface(ui, session, &document);
         let state = session.results.state(last_stage_of(name), &document);
-        let can_write = state == StageState::Ready && self.writing.is_none() && !self.folder.text.trim().is_empty();
+        let can_write =
+            state == StageState::Ready && self.written.running().is_none() && !self.folder.text.trim().is_empty();
         if ui.add_enabled(can_write, Button::new("Write all results")).clicked()
             && let Some(finished) = session.results.finished(name, &document)
         {
             let folder = PathBuf::from(self.folder.text.trim());
             let (set, target, options) = (document.set.clone(), folder.clone(), document.settings.export.clone());
             let task = session.jobs.start("Write results", move |job| {
-                let output = stage_results(&set, &target).map_err(|error| error.to_string())?;
-                write_solved(&set, &finished, output, &options, job).map_err(|error| error.to_string())
+                let output = stage_results(&set, &target)?;
+                write_solved(&set, &finished, output, &options, job)
             });
-            self.writing = Some((folder, task));
+            self.written.start(folder, task);
         }
         ui.label(
             RichText::new("Bounces, normals, albedo, noise and depth as EXR, and the report, are always written.")
@@ -159,16 +159,16 @@ impl Export {
     }
 
     fn take_written(&mut self, session: &mut Session) {
-        let Some((folder, task)) = &self.writing else { return };
-        let Some(outcome) = task.poll() else { return };
-        match outcome {
-            Ok(report) => {
-                session.done(format!("Wrote {} files into {}", report.files.len(), folder.display()));
-                self.written = Some((folder.clone(), report));
-            }
-            Err(line) => session.error(line),
+        if self.written.poll().is_none() {
+            return;
         }
-        self.writing = None;
+        match self.written.last() {
+            Some((folder, Ok(report))) => {
+                session.done(format!("Wrote {} files into {}", report.files.len(), folder.display()));
+            }
+            Some((_, Err(error))) => session.error(error.to_string()),
+            None => {}
+        }
     }
 }
 
@@ -178,7 +178,7 @@ fn pictures(ui: &mut Ui, options: &mut OutputOptions) {
     ui.radio_value(&mut options.green, GreenAxis::Up, "Up, as OpenGL reads it");
     ui.radio_value(&mut options.green, GreenAxis::Down, "Down, as DirectX reads it");
     ui.checkbox(&mut options.depth_png, "Depth as a 16-bit PNG too");
-    let line = "For programs that read no EXR; offset and scale stand in the file and in the report.";
+    let line = "For programs that read no EXR; offset and scale are in the file and in the report.";
     ui.indent("depth", |ui| ui.label(RichText::new(line).small().weak()));
 }
 

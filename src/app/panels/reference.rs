@@ -78,8 +78,8 @@ fn state(ui: &mut Ui, session: &Session) {
     match session.reference.loaded() {
         None if session.reference.is_loading() => advice(ui, "The reference is being read."),
         None => advice(ui, "Load a scan of the object to see how far the surface is from it."),
-        Some(Err(line)) => {
-            ui.colored_label(ui.visuals().error_fg_color, line);
+        Some(Err(error)) => {
+            ui.colored_label(ui.visuals().error_fg_color, error.to_string());
         }
         Some(Ok(loaded)) => {
             ui.label(&loaded.words);
@@ -110,11 +110,11 @@ fn align(ui: &mut Ui, session: &mut Session, document: &Document) {
             if ui.add_enabled(enough, Button::new("Align from the pairs")).clicked() {
                 session.align_from_pairs();
             }
-            if ui.button("Compare as they lie").on_hover_text("Distances without an alignment of their own").clicked() {
+            if ui.button("Compare without alignment").on_hover_text("Distances in the frames of the files").clicked() {
                 session.compare_with_reference(How::AsTheyLie);
             }
-            if is_aligned && ui.button("Forget the alignment").clicked() {
-                session.edit("Forget the alignment", |document| {
+            if is_aligned && ui.button("Remove the alignment").clicked() {
+                session.edit("Remove the alignment", |document| {
                     if let Some(reference) = &mut document.settings.reference {
                         reference.poses = None;
                     }
@@ -140,14 +140,14 @@ fn numbers(ui: &mut Ui, session: &mut Session, document: &Document) {
     let is_current = session.reference.is_current(document, meshes.as_ref());
     let Some(compared) = session.reference.compared() else {
         if session.reference.comparing().is_none() {
-            advice(ui, "Align, or compare as they lie, to see distances.");
+            advice(ui, "Align, or compare without alignment, to see distances.");
         }
         return;
     };
-    let outcome = match &compared.outcome {
+    let outcome = match compared {
         Ok(outcome) => outcome.clone(),
-        Err(line) => {
-            ui.colored_label(ui.visuals().error_fg_color, line);
+        Err(error) => {
+            ui.colored_label(ui.visuals().error_fg_color, error.to_string());
             return;
         }
     };
@@ -160,7 +160,7 @@ fn numbers(ui: &mut Ui, session: &mut Session, document: &Document) {
     });
     table(ui, &outcome);
     if let Err(line) = &outcome.before {
-        ui.colored_label(ui.visuals().warn_fg_color, format!("Raw photos: {line}"));
+        ui.colored_label(ui.visuals().warn_fg_color, format!("Before: {line}"));
     }
     if ui.button("Show the heat map").clicked() {
         session.show_heat_map();
@@ -178,7 +178,7 @@ const ROWS: &[Row] = &[
     ("Mean distance", |c| format!("{:.4} mm", c.mean_mm)),
     ("Mean signed distance", |c| format!("{:.4} mm", c.bias_mm)),
     ("Rms distance", |c| format!("{:.4} mm", c.rms_mm)),
-    ("95 % are closer than", |c| format!("{:.4} mm", c.p95_mm)),
+    ("95th percentile of the distance", |c| format!("{:.4} mm", c.p95_mm)),
     ("Largest distance", |c| format!("{:.4} mm", c.max_mm)),
     ("Overlap", |c| format!("{:.1} %", 100.0 * c.overlap)),
     ("Mean orientation error", |c| format!("{:.2} degrees", c.orientation_error_deg)),

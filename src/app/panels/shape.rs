@@ -1,4 +1,4 @@
-//! Normals and depth: which lights, how shadows are told, and what taking the bounces out has changed.
+//! The Shape panel: lights, shadow thresholds, and the surface before and after.
 
 mod methods;
 
@@ -11,7 +11,7 @@ use firstbounce_core::stereo::shape::Shape;
 
 use super::Panel;
 use super::reference::ReferencePanel;
-use crate::app::base::jobs::Task;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{Shapes, StageState, Step, SurfaceName, stage_of};
@@ -20,14 +20,13 @@ use crate::app::widgets::advice::advice;
 use crate::app::widgets::number_field;
 
 /// Photometric stereo solves for three unknowns.
-const FEWEST_LIGHTS: usize = 3;
+const MIN_LIGHTS: usize = 3;
 
 /// The panel.
 #[derive(Default)]
 pub struct ShapePanel {
-    evaluating: Option<(Arc<Document>, Task<Evaluation>)>,
-    /// What the truth said, and of which document.
-    evaluated: Option<(Arc<Document>, Result<Evaluation, String>)>,
+    /// What the truth says of a document.
+    evaluated: Keyed<Arc<Document>, Evaluation>,
     reference: ReferencePanel,
 }
 
@@ -50,8 +49,8 @@ impl Panel for ShapePanel {
             before_and_after(ui, session, &shapes);
         }
         ui.separator();
-        let evaluated = self.evaluated.as_ref().filter(|(of, _)| *of == document);
-        let errors = evaluated.and_then(|(_, evaluation)| evaluation.as_ref().ok()?.nayar.as_ref());
+        let evaluated = self.evaluated.of(&document).and_then(|outcome| outcome.as_ref().ok());
+        let errors = evaluated.and_then(|evaluation| evaluation.nayar.as_ref());
         methods::ui(ui, session, &document, errors);
         self.truth(ui, session, &document);
         self.reference.ui(ui, session, &document);
@@ -67,8 +66,8 @@ fn lights(ui: &mut Ui, session: &mut Session, document: &Document) {
     let used = document.set.lights.iter().filter(|light| !left_out.contains(&light.name)).count();
     for light in &document.set.lights {
         let mut is_used = !left_out.contains(&light.name);
-        // Three lights are the fewest that tell a normal; the fourth can be spared.
-        let can_change = !is_used || used > FEWEST_LIGHTS;
+        // A normal needs at least three lights; the fourth can be spared.
+        let can_change = !is_used || used > MIN_LIGHTS;
         let check =
             ui.add_enabled(can_change, eframe::egui::Checkbox::new(&mut is_used, format!("Use {}", light.name)));
         if check.on_disabled_hover_text("Normals need at least three lights").changed() {
@@ -117,24 +116,18 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
             }
             ui.end_row();
         };
-        let near = "How often near lamps are placed anew over the depth; distant lamps need one round";
-        whole(ui, "Rounds for near lamps", near, "", &mut settings.rounds, Number::Rounds.whole_range());
-        let window = "Half width of the window in which the noise of indirect light is averaged; 0 for none";
-        whole(
-            ui,
-            "Indirect window",
-            window,
-            " px",
-            &mut settings.indirect_window_px,
-            Number::IndirectWindowPx.whole_range(),
-        );
+        let near = "How often the directions to near lamps are computed again from the depth; distant lamps need one iteration";
+        whole(ui, "Near-light iterations", near, "", &mut settings.rounds, Number::Rounds.whole_range());
+        let window = "Half width of the window over which the indirect light is denoised; 0 for none";
+        let widths = Number::IndirectWindowPx.whole_range();
+        whole(ui, "Denoising window", window, " px", &mut settings.indirect_window_px, widths);
     });
     if let Some(name) = changed {
         session.edit(&name, |document| document.set.shape = settings);
     }
     let default = ShapeSettings { leave_out: document.set.shape.leave_out.clone(), ..ShapeSettings::default() };
     let is_default = document.set.shape == default;
-    if ui.add_enabled(!is_default, Button::new("Back to the command line's defaults")).clicked() {
+    if ui.add_enabled(!is_default, Button::new("Reset to defaults")).clicked() {
         session.edit("Reset shape options", |document| document.set.shape = default);
     }
 }
@@ -153,7 +146,7 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     let is_ready = |name: &SurfaceName| session.results.state(stage_of(*name), &document) == StageState::Ready;
     let mut columns = vec![("before".to_owned(), shapes.before.clone()), ("after".to_owned(), shapes.after.clone())];
     columns.extend(others.filter(is_ready).filter_map(|name| Some((name.words(), session.results.shape(name)?))));
-    ui.label(RichText::new("Before and after the bounces were taken out").strong());
+    ui.label(RichText::new("Before and after separation").strong());
     Grid::new("before and after").num_columns(1 + columns.len()).striped(true).show(ui, |ui| {
         ui.label("");
         for (heading, _) in &columns {
@@ -170,7 +163,7 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     });
     if let Some(turned) = shapes.turned {
         ui.label(format!(
-            "The normals turned by {:.2} degrees on the mean, {:.2} in the median.",
+            "Mean change of the normals {:.2} degrees, median {:.2} degrees.",
             turned.mean_deg, turned.median_deg
         ));
     }
@@ -194,10 +187,10 @@ type Row = (&'static str, fn(&Shape) -> String);
 const ROWS: &[Row] = &[
     ("Pixels with a normal", |shape| shape.report.normals.solved_pixels.to_string()),
     ("Pixels without", |shape| shape.report.normals.unsolved_pixels.to_string()),
-    ("With shadowed lights left out", |shape| shape.report.normals.shadowed_pixels.to_string()),
+    ("With shadowed lights excluded", |shape| shape.report.normals.shadowed_pixels.to_string()),
     ("Expected noise, degrees", |shape| format!("{:.2}", shape.report.normals.mean_noise_deg)),
     ("Mean albedo", |shape| format!("{:.4}", shape.report.normals.mean_albedo)),
-    ("Condition of the lamps", |shape| format!("{:.2}", shape.report.normals.condition_number)),
+    ("Condition number of the light matrix", |shape| format!("{:.2}", shape.report.normals.condition_number)),
     ("Slope residual of the depth", |shape| format!("{:.4}", shape.depth.report.rms_slope_residual)),
     ("Unconnected parts", |shape| shape.depth.report.islands.to_string()),
 ];
@@ -210,22 +203,16 @@ impl ShapePanel {
         }
         ui.separator();
         ui.label(RichText::new("Against the truth of this set").strong());
-        let finished = self.evaluating.as_ref().and_then(|(of, task)| Some((of.clone(), task.poll()?)));
-        if finished.is_some() {
-            self.evaluating = None;
-            self.evaluated = finished;
-        }
-        let free = self.evaluating.is_none();
+        self.evaluated.poll();
+        let free = self.evaluated.running().is_none();
         if ui.add_enabled(free, Button::new("Compare with the truth")).clicked() {
             let (set, options) = (document.set.clone(), options_of(document));
-            let task = session.jobs.start("Compare with the truth", move |job| {
-                evaluate(&set, &options, job).map_err(|error| error.to_string())
-            });
-            self.evaluating = Some((document.clone(), task));
+            let task = session.jobs.start("Compare with the truth", move |job| evaluate(&set, &options, job));
+            self.evaluated.start(document.clone(), task);
         }
-        match &self.evaluated {
-            Some((_, Err(line))) => {
-                ui.colored_label(ui.visuals().error_fg_color, line);
+        match self.evaluated.last() {
+            Some((_, Err(error))) => {
+                ui.colored_label(ui.visuals().error_fg_color, error.to_string());
             }
             Some((of, Ok(evaluation))) => {
                 evaluation_ui(ui, evaluation);

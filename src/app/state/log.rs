@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant, SystemTime};
 
 /// Lines that are kept.
-const MOST_LINES: usize = 500;
+const MAX_LINES: usize = 500;
 const TOAST_FOR: Duration = Duration::from_secs(6);
 /// Toasts on screen at once: more would hide the work.
-const MOST_TOASTS: usize = 4;
+const MAX_TOASTS: usize = 4;
 
 /// How much a line matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub struct Log {
 impl Log {
     /// Adds a line.
     pub fn add(&mut self, level: Level, text: impl Into<String>) {
-        if self.lines.len() == MOST_LINES {
+        if self.lines.len() == MAX_LINES {
             self.lines.pop_front();
         }
         self.lines.push_back(Line { at: SystemTime::now(), level, text: text.into() });
@@ -63,7 +63,7 @@ impl Log {
         self.add(level, text.clone());
         self.toasts.retain(|toast| toast.text != text);
         self.toasts.push(Toast { since: Instant::now(), level, text });
-        let superfluous = self.toasts.len().saturating_sub(MOST_TOASTS);
+        let superfluous = self.toasts.len().saturating_sub(MAX_TOASTS);
         self.toasts.drain(..superfluous);
     }
 

@@ -1,4 +1,4 @@
-//! What the window knows, without a widget: the open set, its document, its results, and what is kept between runs.
+//! The state of the window, without a widget: the open set, its document, its results, and what is kept between runs.
 
 pub mod document;
 mod file;

@@ -1,5 +1,7 @@
 //! The five steps of the work, each with a panel of its own, and the state of each.
 
+use firstbounce_core::trust::Level;
+
 use super::results::{StageError, StageState, Step};
 use super::session::Session;
 
@@ -44,29 +46,77 @@ impl PanelName {
         }
     }
 
-    /// How the step stands.
-    pub fn state(self, session: &Session) -> StageState {
-        let state = session.results.state(self.stage(), &session.document());
-        match (self, &state) {
-            (Self::Captures, StageState::Ready) => captures_state(session),
-            _ => state,
+    /// The state of the step.
+    pub fn state(self, session: &Session) -> StepState {
+        let document = session.document();
+        match session.results.state(self.stage(), &document) {
+            StageState::Blocked { line } | StageState::Failed { line } if document.set.shots.is_empty() => {
+                StepState::Empty { line }
+            }
+            StageState::Blocked { line } => StepState::Incomplete { line },
+            StageState::Failed { line } => StepState::Failed { line },
+            StageState::Stale => StepState::Running { fraction: 0.0 },
+            StageState::Running { fraction } => StepState::Running { fraction },
+            StageState::Ready => self.judged(session),
         }
+    }
+
+    /// The state of a step whose stage is ready.
+    fn judged(self, session: &Session) -> StepState {
+        let results = &session.results;
+        let takes_care = match self {
+            Self::Captures => return captures_state(session),
+            Self::Calibrate => results.calibration().is_some_and(|rig| !rig.calibrated.warnings.is_empty()),
+            Self::Separate => results.shapes().is_some_and(|shapes| shapes.trust.level != Level::Fine),
+            Self::Shape | Self::Export => false,
+        };
+        if takes_care { StepState::TakeCare } else { StepState::Ready }
     }
 }
 
+/// The state of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StepState {
+    /// The set has no photo yet.
+    Empty {
+        /// What to do.
+        line: String,
+    },
+    /// Something before it is missing.
+    Incomplete {
+        /// What to do.
+        line: String,
+    },
+    /// Its results are being computed.
+    Running {
+        /// 0 to 1.
+        fraction: f32,
+    },
+    /// Its results are those of the document.
+    Ready,
+    /// The same, but its panel warns of them.
+    TakeCare,
+    /// Its results could not be computed.
+    Failed {
+        /// What to do.
+        line: String,
+    },
+}
+
 /// Photos are read one by one: that some are there does not mean that all are.
-fn captures_state(session: &Session) -> StageState {
+fn captures_state(session: &Session) -> StepState {
     if session.document().set.shots.is_empty() {
-        return StageState::Blocked { line: StageError::NoPhotos.to_string() };
+        return StepState::Empty { line: StageError::NoPhotos.to_string() };
     }
     let loaded = session.results.loaded();
     let mut bad = loaded.iter().flat_map(|loaded| &loaded.shots).filter_map(|shot| shot.photo.as_ref().err());
     match (bad.next(), bad.count()) {
-        (Some(line), 0) => StageState::Failed { line: line.to_string() },
-        (Some(line), more) => StageState::Failed { line: format!("{line} (and {more} more)") },
-        (None, _) => session
-            .problems()
-            .first()
-            .map_or(StageState::Ready, |problem| StageState::Blocked { line: problem.to_string() }),
+        (Some(line), 0) => StepState::Failed { line: line.to_string() },
+        (Some(line), more) => StepState::Failed { line: format!("{line} (and {more} more)") },
+        (None, _) => match session.problems().first() {
+            Some(problem) => StepState::Incomplete { line: problem.to_string() },
+            None if loaded.is_some_and(|loaded| !loaded.warnings.is_empty()) => StepState::TakeCare,
+            None => StepState::Ready,
+        },
     }
 }

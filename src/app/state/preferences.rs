@@ -1,4 +1,4 @@
-//! What the window remembers between runs.
+//! The preferences: what the window remembers between runs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use firstbounce_capture::atomic::write_file;
 use serde::{Deserialize, Serialize};
 
 /// Sets that are offered again.
-const MOST_RECENT: usize = 12;
+const MAX_RECENT: usize = 12;
 
 /// Where the window keeps what belongs to no set.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ pub struct Folders {
 }
 
 impl Folders {
-    /// The system's folders for this person, or the temporary folder where it names none.
+    /// The system's folders for this user, or the temporary folder where it names none.
     pub fn of_system() -> Self {
         match ProjectDirs::from("", "", "firstbounce") {
             Some(dirs) => Self {
@@ -90,7 +90,7 @@ impl Preferences {
         let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
         self.recent.retain(|known| *known != folder);
         self.recent.insert(0, folder.clone());
-        self.recent.truncate(MOST_RECENT);
+        self.recent.truncate(MAX_RECENT);
         self.last_open = Some(folder);
     }
 }

@@ -122,22 +122,22 @@ impl Session {
         self.editor.problems().iter().filter(move |problem| problem.location == location)
     }
 
-    /// The system's file dialogs; they wait for a person, so ask in a job, or use a `PathField`.
+    /// The system's file dialogs; they wait for the user: ask in a job, or use a `PathField`.
     pub fn dialogs(&self) -> Arc<dyn Dialogs> {
         self.system.dialogs.clone()
     }
 
-    /// Tells that something was done, and shows it for a while.
+    /// Reports that something was done, and shows it for a while.
     pub fn done(&mut self, text: impl Into<String>) {
         self.log.toast(Level::Done, text);
     }
 
-    /// Tells what to know before trusting a number.
+    /// Reports what to know before trusting a number.
     pub fn warn(&mut self, text: impl Into<String>) {
         self.log.toast(Level::Warning, text);
     }
 
-    /// Tells that something was not done, and what to do.
+    /// Reports that something was not done, and what to do.
     pub fn error(&mut self, text: impl Into<String>) {
         self.log.toast(Level::Error, text);
     }
@@ -187,7 +187,7 @@ impl Session {
             .unwrap_or_else(|| Views::showing(first_view(&document)));
         self.panel = PanelName::Captures;
         self.say_not_kept(kept_view(folder).err());
-        // A set that has just begun lacks everything, which nobody needs to be told.
+        // A set that has just begun lacks everything, which is no news.
         let problems = if self.editor.path().is_file() { self.editor.problems().len() } else { 0 };
         let title = document.set.title();
         match problems {
@@ -230,7 +230,7 @@ impl Session {
         }
     }
 
-    /// Writes the preferences; a system that keeps none is told once in the log.
+    /// Writes the preferences; a system that keeps none is reported once in the log.
     pub fn remember(&mut self) {
         if let Err(error) = self.preferences.write(&self.system.folders.preferences) {
             self.log.add(Level::Warning, format!("preferences are not kept: {error:#}"));

@@ -13,5 +13,5 @@ mod tiles;
 pub use canvases::Canvases;
 pub use overlay::{Over, Overlay};
 pub use picker::{entries, ui as picker};
-pub use picture::{Picture, layer, picture, unit_of};
+pub use picture::{Picture, PictureError, layer, picture, unit_of};
 pub use tiles::ui;

@@ -1,4 +1,4 @@
-//! What is drawn over a view by those who know what its clicks and drags are for.
+//! Overlays: drawn over a view by panels, which take its clicks and drags.
 
 use eframe::egui::Ui;
 

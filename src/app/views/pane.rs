@@ -38,7 +38,7 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Ca
                 }
                 canvas(ui, view, &shown, session, canvases, overlay);
             }
-            Err(line) => advice_in_the_middle(ui, &line),
+            Err(error) => advice_in_the_middle(ui, &error.to_string()),
         }
     });
 }
@@ -104,7 +104,7 @@ fn arrange_menu(ui: &mut Ui, id: u64, session: &mut Session) {
     }
 }
 
-/// The two zooms that a person asks for most.
+/// The two zooms that are used most.
 fn zoom(ui: &mut Ui, view: &View, canvases: &mut Canvases) {
     let title = view.shown.title();
     for (text, words, one_to_one) in [("Fit", "Fit", false), ("1:1", "One to one", true)] {
@@ -122,7 +122,7 @@ fn zoom(ui: &mut Ui, view: &View, canvases: &mut Canvases) {
 /// The values at the two ends of the map: the picture's own, or typed.
 fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
     let mut own = range.is_some();
-    ui.checkbox(&mut own, "Own ends of the colour map");
+    ui.checkbox(&mut own, "Custom range");
     let mut ends = range.unwrap_or(proposal);
     let speed = f64::from((ends[1] - ends[0]).abs()) * 0.005;
     ui.add_enabled_ui(own, |ui| {
@@ -150,16 +150,16 @@ fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
     });
     ui.separator();
     ui.label("Colour map");
-    ui.selectable_value(&mut look.map, None, "As the picture proposes");
+    ui.selectable_value(&mut look.map, None, "Default of the picture");
     for map in ColourMap::ALL {
         ui.selectable_value(&mut look.map, Some(map), map.name());
     }
     range(ui, &mut view.look.range, proposal);
     ui.separator();
     let look = &mut view.look;
-    ui.checkbox(&mut look.clip_zebra, "Stripes where light clips");
-    ui.checkbox(&mut look.negative_zebra, "Stripes below zero");
-    ui.checkbox(&mut look.plain, "Without the tints of clipped and dark pixels");
+    ui.checkbox(&mut look.clip_zebra, "Clipping zebra");
+    ui.checkbox(&mut look.negative_zebra, "Zebra below zero");
+    ui.checkbox(&mut look.plain, "Hide the tints of clipped and dark pixels");
     if ui.button("Reset colours").clicked() {
         *look = Default::default();
     }

@@ -4,11 +4,14 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::set::Subject;
 use firstbounce_core::image::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
+use thiserror::Error;
 
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
-use crate::app::state::results::{MarksName, PlaneName, Results, ShotName, StageState, Step, Stored, SurfaceName};
-use crate::gpu::{ColourMap, Display, Layer, Source, Tint};
+use crate::app::state::results::{
+    MarksName, PlaneName, Results, ShotName, StageError, StageState, Step, Stored, SurfaceName,
+};
+use crate::gpu::{ColourMap, Display, Layer, Source, SourceError, Tint};
 
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
 const FIGURE_ONE_GAIN: f32 = 3.0;
@@ -25,8 +28,60 @@ pub struct Picture {
     pub quantity: &'static str,
 }
 
-/// The picture, or one line that says why there is none yet.
-pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, String> {
+/// Why there is no picture, in one line that says what to do.
+#[derive(Clone, Debug, Error)]
+pub enum PictureError {
+    /// What it is computed from is missing, or failed.
+    #[error(transparent)]
+    Stage(#[from] StageError),
+    /// The step that it comes from is not ready.
+    #[error("{line}")]
+    Step {
+        /// Why, and what to do.
+        line: String,
+    },
+    /// The step that it comes from is being computed.
+    #[error("{step} is running")]
+    Running {
+        /// Which one.
+        step: Step,
+    },
+    /// The set does not have it.
+    #[error("there is no such picture in this set: choose another")]
+    NotInSet,
+    /// The set does not have this shot.
+    #[error("this shot is not in the set: choose another picture, or add its file in Captures")]
+    NoShot,
+    /// Its photo is not there yet.
+    #[error("the photo is being read")]
+    Reading,
+    /// A bounce beyond the order.
+    #[error("bounce {k} is not separated: choose an order of at least {k} in Separate")]
+    NotSeparated {
+        /// From 1.
+        k: usize,
+    },
+    /// The fit is exact.
+    #[error("with as many bounces as colours there is no residual: choose a lower order in Separate")]
+    NoResidual,
+    /// A surface in the place of a picture.
+    #[error(
+        "Numbers are read off pictures: choose one in a view. Points, distances and sections of a surface are in its own bar."
+    )]
+    Surface,
+    /// A picture of vectors or colours where single values are asked for.
+    #[error("{title} has more than one value a pixel: choose another picture")]
+    SeveralValues {
+        /// The picture.
+        title: String,
+    },
+    /// The planes do not fit together.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+}
+
+/// The picture, or why there is none yet.
+pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, PictureError> {
     if shown.by_method().is_some_and(|method| !document.settings.is_compared(method)) {
         return Err(not_yet(shown, document, results));
     }
@@ -46,20 +101,20 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             Ok(Picture { source, display, quantity: LIGHT })
         }
         Shown::Bounce { light, k } => {
-            let source = Source::value(bounce(document, results, light, *k)?).map_err(|error| error.to_string())?;
+            let source = Source::value(bounce(document, results, light, *k)?)?;
             let range = pictures.plane(&PlaneName::Bounce(light.clone(), *k)).map(|stored| stored.range);
             let range = range.or_else(|| reference(document, results, light).map(|photo| photo.range));
             let source = with_marks(masked(source), results, &MarksName::Separation(light.clone()));
             Ok(Picture { source, display: grey(range.unwrap_or([0.0, 1.0])), quantity: LIGHT })
         }
         Shown::Sum { light } => {
-            let source = Source::value(sum(document, results, light)?).map_err(|error| error.to_string())?;
+            let source = Source::value(sum(document, results, light)?)?;
             let range = reference(document, results, light).map_or([0.0, 1.0], |photo| photo.range);
             Ok(Picture { source: masked(source), display: grey(range), quantity: LIGHT })
         }
         Shown::FigureOne { light } => {
             let (first, second) = (bounce(document, results, light, 1)?, bounce(document, results, light, 2)?);
-            let source = Source::figure_one(first, second, FIGURE_ONE_GAIN).map_err(|error| error.to_string())?;
+            let source = Source::figure_one(first, second, FIGURE_ONE_GAIN)?;
             let range = reference(document, results, light).map_or([0.0, 1.0], |photo| photo.range);
             let stops = -range[1].max(f32::MIN_POSITIVE).log2();
             let display = Display { exposure_stops: stops, ..Display::default() };
@@ -94,7 +149,7 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
         }
         Shown::Normals(when) => {
             let axis = |axis: usize| stored(PlaneName::Normal(*when, axis)).map(|stored| stored.plane.clone());
-            let source = Source::normals([axis(0)?, axis(1)?, axis(2)?]).map_err(|error| error.to_string())?;
+            let source = Source::normals([axis(0)?, axis(1)?, axis(2)?])?;
             let source = with_marks(masked(source), results, &MarksName::Normals(*when));
             Ok(Picture { source, display: Display::default(), quantity: "Normal x, y, z as red, green, blue" })
         }
@@ -117,10 +172,10 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
             let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
             Ok(value(turned, ColourMap::Viridis, "Angle between normals, degrees", &masked))
         }
-        Shown::Surface => Err("Numbers are read off pictures: choose one in a view. Points, distances and sections of a surface are in its own bar.".into()),
+        Shown::Surface => Err(PictureError::Surface),
         Shown::Difference(a, b) => {
             let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
-            let source = Source::difference(first, second).map_err(|error| error.to_string())?;
+            let source = Source::difference(first, second)?;
             let largest = picture(a, document, results)?.display.range[1].abs() / 4.0;
             Ok(Picture {
                 source: masked(source),
@@ -132,7 +187,7 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
 }
 
 /// A picture of single values as a layer, to compare it with another.
-pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<Layer, String> {
+pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<Layer, PictureError> {
     let stored = |name: PlaneName| {
         let stored = results.pictures().plane(&name).ok_or_else(|| not_yet(shown, document, results))?;
         Ok(Layer::from(stored.plane.clone()))
@@ -149,7 +204,7 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::NormalNoise(when) => stored(PlaneName::NormalNoise(*when)),
         Shown::Depth(when) => stored(PlaneName::Depth(*when)),
         Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Surface | Shown::Difference(..) => {
-            Err(format!("{} has more than one value a pixel: choose another picture", shown.title()))
+            Err(PictureError::SeveralValues { title: shown.title() })
         }
     }
 }
@@ -178,7 +233,7 @@ pub fn unit_of(shown: &Shown, document: &Document) -> &'static str {
 }
 
 /// The two sides of a difference: what is shown is the first minus the second.
-pub fn sides(a: &Shown, b: &Shown, document: &Document, results: &Results) -> Result<[Layer; 2], String> {
+pub fn sides(a: &Shown, b: &Shown, document: &Document, results: &Results) -> Result<[Layer; 2], PictureError> {
     if are_normals(a, b) {
         let turned = results.pictures().plane(&PlaneName::Turned);
         let missing = || not_yet(&Shown::Normals(SurfaceName::AFTER), document, results);
@@ -198,15 +253,15 @@ fn are_normals(a: &Shown, b: &Shown) -> bool {
 }
 
 /// Bounce k of a light as weights on its photos.
-fn bounce(document: &Document, results: &Results, light: &str, k: usize) -> Result<Layer, String> {
+fn bounce(document: &Document, results: &Results, light: &str, k: usize) -> Result<Layer, PictureError> {
     let system = results.rig(document).system(light)?;
     if k == 0 || k > system.operator.nrows() {
-        return Err(format!("bounce {k} is not separated: choose an order of at least {k} in Separate"));
+        return Err(PictureError::NotSeparated { k });
     }
     combination(document, results, light, |c| system.operator[(k - 1, c)])
 }
 
-fn sum(document: &Document, results: &Results, light: &str) -> Result<Layer, String> {
+fn sum(document: &Document, results: &Results, light: &str) -> Result<Layer, PictureError> {
     let system = results.rig(document).system(light)?;
     combination(document, results, light, |c| system.operator.column(c).sum())
 }
@@ -216,7 +271,7 @@ fn combination(
     results: &Results,
     light: &str,
     weight: impl Fn(usize) -> f64,
-) -> Result<Layer, String> {
+) -> Result<Layer, PictureError> {
     let mut planes = Vec::new();
     let mut weights = Vec::new();
     for (c, colour) in document.set.colours.iter().enumerate() {
@@ -227,7 +282,7 @@ fn combination(
         planes.push(stored.plane.clone());
         weights.push(weight(c) as f32);
     }
-    Layer::combination(&planes, &weights).map_err(|error| error.to_string())
+    Ok(Layer::combination(&planes, &weights)?)
 }
 
 /// The reference colour's photo of a light.
@@ -304,27 +359,27 @@ pub fn outdated(shown: &Shown, document: &Document, results: &Results) -> Option
 }
 
 /// Why a picture is not there, and what to do.
-fn not_yet(shown: &Shown, document: &Document, results: &Results) -> String {
+fn not_yet(shown: &Shown, document: &Document, results: &Results) -> PictureError {
     if let Shown::Photo(name) = shown {
         return no_photo(name, document, results);
     }
     if matches!(shown, Shown::Residual { .. }) && results.rig(document).bounces >= document.set.colours.len() {
-        return "with as many bounces as colours nothing is left over: choose a lower order in Separate".into();
+        return PictureError::NoResidual;
     }
     let step = step_of(shown);
     match results.state(step, document) {
-        StageState::Failed { line } | StageState::Blocked { line } => line,
-        StageState::Stale | StageState::Running { .. } => format!("{step} is on its way"),
-        StageState::Ready => "there is no such picture in this set: choose another".into(),
+        StageState::Failed { line } | StageState::Blocked { line } => PictureError::Step { line },
+        StageState::Stale | StageState::Running { .. } => PictureError::Running { step },
+        StageState::Ready => PictureError::NotInSet,
     }
 }
 
-fn no_photo(name: &ShotName, document: &Document, results: &Results) -> String {
+fn no_photo(name: &ShotName, document: &Document, results: &Results) -> PictureError {
     if !document.set.shots.iter().any(|shot| ShotName::of(shot) == *name) {
-        return "this shot is not in the set: choose another picture, or add its file in Captures".into();
+        return PictureError::NoShot;
     }
     match results.loaded().as_ref().and_then(|loaded| loaded.shot(name)).map(|shot| &shot.photo) {
-        Some(Err(error)) => error.to_string(),
-        _ => "the photo is being read".into(),
+        Some(Err(error)) => PictureError::Stage(error.clone()),
+        _ => PictureError::Reading,
     }
 }

@@ -1,9 +1,10 @@
-//! The numbers of a difference: computed off the UI thread, for the pictures as they are now.
+//! The numbers of a difference: computed off the UI thread, for the pictures of this frame.
 
 use std::collections::HashMap;
 
 use super::picture::{sides, unit_of};
 use crate::app::base::jobs::{Jobs, Task};
+use crate::app::base::keyed::Keyed;
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::Results;
@@ -18,13 +19,7 @@ type Terms = Vec<(PlaneKey, f32)>;
 /// The differences on screen, by their view.
 #[derive(Default)]
 pub struct Statistics {
-    of_view: HashMap<u64, OfView>,
-}
-
-struct OfView {
-    terms: Terms,
-    task: Option<Task<Difference>>,
-    found: Option<Result<Difference, String>>,
+    of_view: HashMap<u64, Keyed<Terms, Difference>>,
 }
 
 impl Statistics {
@@ -44,16 +39,12 @@ impl Statistics {
         let unit = unit_of(shown, document);
         let [a, b] = sides(a, b, document, results).ok()?;
         let terms: Terms = a.terms().iter().chain(b.terms()).map(|(plane, weight)| (plane.key, *weight)).collect();
-        let of_view = self.of_view.entry(view).or_insert_with(|| OfView { terms: Vec::new(), task: None, found: None });
-        if let Some(found) = of_view.task.as_ref().and_then(Task::poll) {
-            of_view.task = None;
-            of_view.found = Some(found);
+        let found = self.of_view.entry(view).or_default();
+        found.poll();
+        if found.wants(&terms) {
+            found.start(terms, start(a, b, results, jobs));
         }
-        if of_view.terms != terms && of_view.task.is_none() {
-            of_view.terms = terms;
-            of_view.task = Some(start(a, b, results, jobs));
-        }
-        Some(match &of_view.found {
+        Some(match found.last().map(|(_, outcome)| outcome) {
             Some(Ok(found)) => format!(
                 "mean {}{unit}, rms {}{unit}, largest {}{unit} at column {}, row {} ({} pixels)",
                 number(if found.mean.abs() < ROUNDING * found.rms { 0.0 } else { found.mean }),
@@ -63,7 +54,7 @@ impl Statistics {
                 found.max_at.1,
                 found.pixels
             ),
-            Some(Err(line)) => line.clone(),
+            Some(Err(error)) => error.to_string(),
             None => "comparing".into(),
         })
     }
@@ -84,6 +75,6 @@ fn start(a: Layer, b: Layer, results: &Results, jobs: &mut Jobs) -> Task<Differe
     jobs.start("Compare pictures", move |_| {
         let mask = loaded.as_ref().and_then(|loaded| loaded.object.as_ref().ok()).map(|object| &object.mask);
         let mask = mask.filter(|mask| mask.size() == a.size());
-        difference(&a, &b, mask).map_err(|error| error.to_string())
+        difference(&a, &b, mask)
     })
 }

@@ -18,7 +18,7 @@ pub fn advice_in_the_middle(ui: &mut Ui, text: &str) {
     });
 }
 
-/// A line that may stand behind another, on its own: "beta is not known" becomes "Beta is not known". What begins with a
+/// A line that may follow another, as a sentence of its own: "beta is unknown" becomes "Beta is unknown". What begins with a
 /// name of the set's ("left/green: ...") stays as it is.
 pub fn sentence(line: &str) -> String {
     let word = line.split(' ').next().unwrap_or_default();
@@ -35,7 +35,7 @@ mod tests {
 
     #[test]
     fn a_line_on_its_own_begins_with_a_capital_and_a_name_stays_itself() {
-        assert_eq!(sentence("beta is not known"), "Beta is not known");
+        assert_eq!(sentence("beta is unknown"), "Beta is unknown");
         assert_eq!(sentence("left/green: 21 % is clipped"), "left/green: 21 % is clipped");
         assert_eq!(sentence(""), "");
     }

@@ -8,13 +8,13 @@ use eframe::egui::{Key, Response, TextEdit, Ui};
 pub struct NameField {
     /// The widget; it has no accessible name yet.
     pub response: Response,
-    /// What stands in it.
+    /// Its text.
     pub text: String,
     /// Another name, once the field is left, unless it is given up by Escape.
     pub done: Option<String>,
 }
 
-/// Shows a field that holds `name` until somebody types; `salt` tells it from others in this place.
+/// Shows a field that holds `name` until the user types; `salt` distinguishes it from others in this place.
 pub fn name_field(ui: &mut Ui, salt: impl Hash + std::fmt::Debug, name: &str, width: f32) -> NameField {
     let kept = ui.scope_id().with(("typed name", salt));
     let mut text = ui.data(|data| data.get_temp::<String>(kept)).unwrap_or_else(|| name.to_owned());

@@ -1,8 +1,8 @@
-//! Fields of numbers that leave a number alone until a person changes it.
+//! Fields of numbers that leave a number alone until the user changes it.
 //!
 //! egui writes back what a field shows when the focus leaves it: Tab alone would round every measured value on its way and
 //! make it a typed one, and a value outside a field's range would be moved into it by being shown. Here the text that was
-//! shown stands for the number itself.
+//! shown is taken for the number itself.
 //!
 //! Every field has ends: what is typed beyond one becomes that end.
 

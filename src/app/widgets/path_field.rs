@@ -44,7 +44,7 @@ impl PathField {
             if ui.add_enabled(!waits, eframe::egui::Button::new("Browse...")).clicked() {
                 let (dialogs, title) = (dialogs.clone(), label.to_owned());
                 let near = PathBuf::from(self.text.trim());
-                self.asking = Some(jobs.start(title.clone(), move |_| Ok(dialogs.ask(choose, &title, &near))));
+                self.asking = Some(jobs.compute(title.clone(), move |_| dialogs.ask(choose, &title, &near)));
             }
         });
         if let Some(answer) = self.asking.as_ref().and_then(Task::poll) {

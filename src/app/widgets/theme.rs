@@ -1,4 +1,4 @@
-//! How the window looks: sizes of text, room around it, and the colours that carry a meaning, readable on dark and light.
+//! The theme: sizes of text, room around it, and the colours that carry a meaning, readable on dark and light.
 
 use eframe::egui::{Button, Color32, Context, FontId, RichText, Style, TextStyle, Theme, Visuals, vec2};
 
@@ -32,7 +32,7 @@ fn colours(visuals: &mut Visuals) {
 }
 
 /// The colour of what can be relied on; `warn_fg_color` and `error_fg_color` are its siblings.
-pub fn good(visuals: &Visuals) -> Color32 {
+pub fn fine(visuals: &Visuals) -> Color32 {
     by_theme(visuals, Color32::from_rgb(96, 200, 120), Color32::from_rgb(16, 110, 44))
 }
 
@@ -74,7 +74,7 @@ mod tests {
             let panel = visuals.panel_fill;
             let on_panel = panel.blend(visuals.weak_text_color());
             for colour in
-                [visuals.warn_fg_color, visuals.error_fg_color, visuals.hyperlink_color, good(visuals), on_panel]
+                [visuals.warn_fg_color, visuals.error_fg_color, visuals.hyperlink_color, fine(visuals), on_panel]
             {
                 assert!(contrast(colour, panel) >= 4.5, "{theme:?} {colour:?}: {:.2}", contrast(colour, panel));
             }

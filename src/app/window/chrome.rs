@@ -1,4 +1,4 @@
-//! What the window shows over and around panels and views: palette, help, questions, notices.
+//! The chrome of the window, over and around panels and views: palette, help, questions, notices.
 
 use eframe::egui::{Context, Id, Modal, Panel, Ui, ViewportCommand, Window};
 
@@ -12,14 +12,8 @@ use crate::app::window::simulate::NewSet;
 
 /// What is open around the panels.
 pub struct Chrome {
-    /// Whether the steps are shown.
-    pub steps: bool,
-    /// Whether the inspector is shown.
-    pub inspector: bool,
-    /// Whether the log is shown.
-    pub log: bool,
-    /// Whether the window tells about itself.
-    pub about: bool,
+    /// Which parts of the window are shown.
+    pub shows: Parts,
     /// Commands by their letters.
     pub palette: Palette,
     /// Commands with their keys.
@@ -36,6 +30,18 @@ pub struct Chrome {
     may_close: bool,
 }
 
+/// The parts of the window that can be hidden: whether each is shown.
+pub struct Parts {
+    /// The steps at the left.
+    pub steps: bool,
+    /// The inspector at the right.
+    pub inspector: bool,
+    /// The log below.
+    pub log: bool,
+    /// The window about the program.
+    pub about: bool,
+}
+
 /// What waits for an answer about unsaved edits.
 #[derive(Debug)]
 enum Leaving {
@@ -49,10 +55,7 @@ enum Leaving {
 impl Default for Chrome {
     fn default() -> Self {
         Self {
-            steps: true,
-            inspector: true,
-            log: false,
-            about: false,
+            shows: Parts { steps: true, inspector: true, log: false, about: false },
             palette: Palette::default(),
             help: HelpSheet::default(),
             frame_times: FrameTimes::default(),
@@ -90,7 +93,7 @@ impl Chrome {
         self.save_as = Some(PathField::holding(session.document().set.folder.display().to_string()));
     }
 
-    /// Keeps the window open while something is unsaved and nobody has said what to do with it.
+    /// Keeps the window open while something is unsaved, until the user decides what to do with it.
     pub fn guard_close(&mut self, context: &Context, session: &mut Session) {
         if context.input(|input| input.viewport().close_requested()) && !self.may_close && session.editor.is_dirty() {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
@@ -120,7 +123,7 @@ impl Chrome {
     pub fn dialogs(&mut self, context: &Context, session: &mut Session) {
         self.help.ui(context);
         self.frame_times.ui(context);
-        Window::new("About Firstbounce").open(&mut self.about).resizable(false).show(context, |ui| {
+        Window::new("About Firstbounce").open(&mut self.shows.about).resizable(false).show(context, |ui| {
             ui.label(format!("Firstbounce {}", env!("CARGO_PKG_VERSION")));
             ui.label("Takes the light between an object's own walls out of photometric stereo.");
             ui.label("Method: Liao, Huang, Yang, CVPR 2011.");
@@ -171,10 +174,10 @@ impl Chrome {
                     session.save();
                     answer = Some(!session.editor.is_dirty());
                 }
-                if ui.button("Do not save").clicked() {
+                if ui.button("Discard changes").clicked() {
                     answer = Some(true);
                 }
-                if ui.button("Stay").clicked() {
+                if ui.button("Cancel").clicked() {
                     answer = Some(false);
                 }
             });

@@ -1,4 +1,4 @@
-//! When the graphics driver stops, the window goes on: with another adapter where there is one, else with the same anew.
+//! When the graphics driver stops, the window goes on: with another adapter where there is one, else with the same again.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,7 +10,7 @@ use eframe::wgpu::{self, Backend, DeviceLostReason, DeviceType};
 /// A second loss within this time is no accident: going on would end in a third.
 const SOON: Duration = Duration::from_secs(60);
 
-/// A graphics adapter by what tells it from others.
+/// A graphics adapter by what distinguishes it from others.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterName {
     /// As the driver calls it.
@@ -40,7 +40,7 @@ impl AdapterName {
     }
 }
 
-/// Tells whether the window's graphics device is still there.
+/// Reports whether the window's graphics device is still there.
 #[derive(Clone, Default)]
 pub struct DeviceWatch {
     lost: Arc<AtomicBool>,
@@ -55,11 +55,11 @@ impl DeviceWatch {
     /// Watches the device of a window; `wake` is called when it goes away.
     pub fn new(render_state: &RenderState, wake: impl Fn() + Send + 'static) -> Self {
         let lost = Arc::new(AtomicBool::new(false));
-        let told = lost.clone();
+        let noticed = lost.clone();
         render_state.device.set_device_lost_callback(move |reason, _| {
-            // A device that was destroyed is one that nobody needs any more.
+            // A device that was destroyed is one that is not needed any more.
             if reason == DeviceLostReason::Unknown {
-                told.store(true, Ordering::Relaxed);
+                noticed.store(true, Ordering::Relaxed);
                 wake();
             }
         });
@@ -136,11 +136,11 @@ impl Losses {
         (!self.lost.is_empty()).then(|| Arc::new(choose) as NativeAdapterSelectorMethod)
     }
 
-    /// One line for a person, once the window is there again.
+    /// One line for the user, once the window is there again.
     pub fn words(&self, now: Option<&AdapterName>) -> String {
         let name = |adapter: Option<&AdapterName>| adapter.map_or("the graphics card".to_owned(), AdapterName::words);
         let last = self.lost.last();
-        let with = if now == last { "anew".to_owned() } else { format!("with {}", name(now)) };
+        let with = if now == last { "again".to_owned() } else { format!("with {}", name(now)) };
         format!("The graphics driver of {} stopped. The window goes on {with}; nothing was lost", name(last))
     }
 }
@@ -208,6 +208,6 @@ mod tests {
         losses.note(Some(all[1].clone()), Instant::now());
         let other = losses.words(Some(&all[0]));
         assert!(other.contains("Card (Vulkan) stopped") && other.contains("goes on with Mesa (Vulkan)"), "{other}");
-        assert!(losses.words(Some(&all[1])).contains("goes on anew"));
+        assert!(losses.words(Some(&all[1])).contains("goes on again"));
     }
 }

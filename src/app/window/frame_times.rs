@@ -1,4 +1,4 @@
-//! How long frames kept the UI thread: nothing may block it.
+//! Frame times: how long frames kept the UI thread: nothing may block it.
 
 use std::collections::VecDeque;
 use std::fmt::Write;
@@ -42,7 +42,7 @@ struct FrameTime {
     phase: Phase,
     /// From its begin to its end, without the wait for the screen.
     whole_ms: f32,
-    /// What the UI thread itself worked since the frame before; `None` where the system does not tell.
+    /// What the UI thread itself worked since the frame before; `None` where the system does not report it.
     worked_ms: Option<f32>,
     /// The part of `whole_ms` in which results are taken and work is started.
     logic_ms: f32,
@@ -117,7 +117,7 @@ impl FrameTimes {
     /// Shows the overlay while it is open.
     pub fn ui(&mut self, context: &Context) {
         let mut is_open = self.is_open;
-        let mut anew = false;
+        let mut again = false;
         let window = Window::new("Frame times").open(&mut is_open).resizable(false);
         window.anchor(Align2::RIGHT_BOTTOM, vec2(-16.0, -48.0)).show(context, |ui| {
             for phase in Phase::ALL {
@@ -126,10 +126,10 @@ impl FrameTimes {
             let last: Vec<_> =
                 self.frames.iter().rev().take(SHOWN).map(|frame| format!("{:.1}", frame.whole_ms)).collect();
             ui.label(format!("last, ms: {}", last.join(" ")));
-            anew = ui.button("Count anew").clicked();
+            again = ui.button("Count again").clicked();
         });
         self.is_open = is_open;
-        if anew {
+        if again {
             self.frames.clear();
         }
     }

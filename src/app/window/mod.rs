@@ -47,8 +47,8 @@ pub struct Window {
     begun: u64,
     /// Whether the results of the open set were never all there.
     is_opening: bool,
-    /// The title and scale that the system was told.
-    told: (String, f32, Option<Theme>),
+    /// The title, scale and theme that the system knows.
+    known: (String, f32, Option<Theme>),
 }
 
 impl Window {
@@ -69,14 +69,14 @@ impl Window {
             context,
             begun: 0,
             is_opening: false,
-            told: Default::default(),
+            known: Default::default(),
         };
         window.prepare(creation);
         window
     }
 
     /// Goes on in another window of the system, because the device of the one before went away. Set, history and results stay;
-    /// what was on the card is sent anew.
+    /// what was on the card is sent again.
     pub fn move_to(&mut self, creation: &CreationContext<'_>) {
         // Sizes of panels, open sections and the like.
         let arranged = self.context.lock().data(|data| data.clone());
@@ -85,7 +85,7 @@ impl Window {
         self.panels = Panels::default();
         self.canvases.forget_card();
         self.chrome.simulated.forget_card();
-        self.told = Default::default();
+        self.known = Default::default();
         self.prepare(creation);
     }
 
@@ -160,30 +160,30 @@ impl Window {
         self.begin_panels();
     }
 
-    fn tell_system(&mut self, context: &Context) {
+    fn inform_system(&mut self, context: &Context) {
         let document = self.session.document();
         let title = match (self.session.is_open(), self.session.editor.is_dirty()) {
             (false, _) => "Firstbounce".to_owned(),
             (true, false) => format!("{} - Firstbounce", document.set.title()),
             (true, true) => format!("*{} - Firstbounce", document.set.title()),
         };
-        if self.told.0 != title {
+        if self.known.0 != title {
             context.send_viewport_cmd(ViewportCommand::Title(title.clone()));
-            self.told.0 = title;
+            self.known.0 = title;
         }
         let scale = self.session.preferences.ui_scale;
-        if self.told.1 != scale {
+        if self.known.1 != scale {
             context.set_zoom_factor(scale);
-            self.told.1 = scale;
+            self.known.1 = scale;
         }
         let theme = self.session.preferences.theme;
-        if self.told.2 != Some(theme) {
+        if self.known.2 != Some(theme) {
             context.set_theme(match theme {
                 Theme::System => ThemePreference::System,
                 Theme::Dark => ThemePreference::Dark,
                 Theme::Light => ThemePreference::Light,
             });
-            self.told.2 = Some(theme);
+            self.known.2 = Some(theme);
         }
     }
 
@@ -227,7 +227,7 @@ impl Window {
 
     fn workplace(&mut self, ui: &mut Ui) {
         let Self { session, panels, canvases, chrome, .. } = self;
-        if chrome.steps {
+        if chrome.shows.steps {
             SidePanel::left("steps").default_size(340.0).size_range(220.0..=640.0).show(ui, |ui| {
                 steps::ui(ui, session);
                 ui.separator();
@@ -238,7 +238,7 @@ impl Window {
                 });
             });
         }
-        if chrome.inspector {
+        if chrome.shows.inspector {
             SidePanel::right("inspector").default_size(280.0).size_range(180.0..=640.0).show(ui, |ui| {
                 ui.label(RichText::new("Inspector").strong());
                 ui.separator();
@@ -261,7 +261,7 @@ impl App for Window {
         if self.is_opening {
             self.is_opening = !self.session.results.is_at_rest(&self.session.document());
         }
-        self.tell_system(context);
+        self.inform_system(context);
         self.chrome.frame_times.end_logic();
         #[cfg(debug_assertions)]
         self.chrome.device.begin_frame();
@@ -286,7 +286,7 @@ impl App for Window {
         let by_keys = commands::pressed(&context);
         let by_menu = SidePanel::top("menu").show(ui, |ui| commands::menu_bar(ui, &self.session)).inner;
         self.chrome.notices(ui, &mut self.session);
-        strip::ui(ui, &mut self.session, &mut self.chrome.log);
+        strip::ui(ui, &mut self.session, &mut self.chrome.shows.log);
         let mut by_start = None;
         if self.session.is_open() {
             self.workplace(ui);

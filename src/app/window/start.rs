@@ -1,4 +1,4 @@
-//! What the window shows while no set is open: where to begin.
+//! The start screen, shown while no set is open.
 
 use std::path::PathBuf;
 

@@ -1,9 +1,8 @@
-//! The five steps and how each stands: a path, any of whose steps can be opened at any time.
+//! The five steps and the state of each; any of them can be opened at any time.
 
 use eframe::egui::{Color32, Panel, RichText, Ui};
 
-use crate::app::state::panel::PanelName;
-use crate::app::state::results::StageState;
+use crate::app::state::panel::{PanelName, StepState};
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::sentence;
 use crate::app::widgets::theme;
@@ -11,8 +10,8 @@ use crate::app::widgets::theme;
 /// Shows the steps; a click opens one.
 pub fn ui(ui: &mut Ui, session: &mut Session) {
     ui.add_space(4.0);
-    // One missing thing stops every later step: it is told once, where it is.
-    let mut told = String::new();
+    // One missing thing stops every later step: it is reported once, where it is.
+    let mut reported = String::new();
     for (number, name) in (1..).zip(PanelName::ALL) {
         let state = name.state(session);
         let (words, colour) = words(&state, ui);
@@ -23,10 +22,12 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
             }
             ui.label(RichText::new(words).color(colour));
         });
-        let (StageState::Failed { line } | StageState::Blocked { line }) = state else { continue };
-        if told.is_empty() || !line.contains(&told) {
+        let (StepState::Failed { line } | StepState::Incomplete { line } | StepState::Empty { line }) = state else {
+            continue;
+        };
+        if reported.is_empty() || !line.contains(&reported) {
             ui.indent(number, |ui| ui.label(RichText::new(sentence(&line)).color(colour)));
-            told = line;
+            reported = line;
         }
     }
 }
@@ -34,12 +35,12 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
 /// Below the open step: what to look at in it, and the way to the next.
 pub fn next(ui: &mut Ui, session: &mut Session) {
     let (look_at, next) = match session.panel {
-        PanelName::Captures => ("No photo should be clipped, and few pixels dark.", PanelName::Calibrate),
+        PanelName::Captures => ("Check that no photo is clipped and few pixels are dark.", PanelName::Calibrate),
         PanelName::Calibrate => {
-            ("Circles on the balls' edges, highlights on the lamps, every value good.", PanelName::Separate)
+            ("Circles on the balls' edges, highlights on the lamps, every value fine.", PanelName::Separate)
         }
-        PanelName::Separate => ("The order m whose verdict you can live with.", PanelName::Shape),
-        PanelName::Shape => ("The surface before and after.", PanelName::Export),
+        PanelName::Separate => ("The highest order m whose verdict is fine.", PanelName::Shape),
+        PanelName::Shape => ("Compare the surface before and after.", PanelName::Export),
         PanelName::Export => return,
     };
     Panel::bottom("next step").show(ui, |ui| {
@@ -50,13 +51,14 @@ pub fn next(ui: &mut Ui, session: &mut Session) {
     });
 }
 
-fn words(state: &StageState, ui: &Ui) -> (String, Color32) {
+fn words(state: &StepState, ui: &Ui) -> (String, Color32) {
     let visuals = ui.visuals();
     match state {
-        StageState::Stale => ("waiting".into(), visuals.weak_text_color()),
-        StageState::Running { fraction } => (format!("{:.0} %", 100.0 * fraction), visuals.hyperlink_color),
-        StageState::Ready => ("\u{2714} ready".into(), theme::good(visuals)),
-        StageState::Failed { .. } => ("failed".into(), visuals.error_fg_color),
-        StageState::Blocked { .. } => ("needs something".into(), visuals.warn_fg_color),
+        StepState::Empty { .. } => ("empty".into(), visuals.weak_text_color()),
+        StepState::Incomplete { .. } => ("incomplete".into(), visuals.warn_fg_color),
+        StepState::Running { fraction } => (format!("running, {:.0} %", 100.0 * fraction), visuals.hyperlink_color),
+        StepState::Ready => ("\u{2714} ready".into(), theme::fine(visuals)),
+        StepState::TakeCare => ("take care".into(), visuals.warn_fg_color),
+        StepState::Failed { .. } => ("failed".into(), visuals.error_fg_color),
     }
 }

@@ -13,7 +13,7 @@ use firstbounce_capture::report::page::page;
 pub struct PublishedRecord {
     /// Which of our scenes represents the paper's.
     pub scene: &'static str,
-    /// Mean error of the normals from the photos as they are.
+    /// Mean error of the normals from the photos before separation.
     pub raw_deg: Option<f64>,
     /// Mean error of the normals from bounce 1.
     pub separated_deg: Option<f64>,
@@ -156,9 +156,9 @@ fn table(words: &PaperRecord) -> Markup {
     html! {
         table {
             tr {
-                th { "Scene" } th { "light" } th { "m" } th { "photos as they are, degrees" } th { "bounce 1, degrees" }
+                th { "Scene" } th { "light" } th { "m" } th { "before, degrees" } th { "bounce 1, degrees" }
                 th { "direct light off by, levels" } th { "%" } th { "no noise: degrees" } th { "%" }
-                th { "paper: as they are" } th { "bounce 1" } th { "levels" } th { "%" }
+                th { "paper: before" } th { "bounce 1" } th { "levels" } th { "%" }
             }
             @for row in &words.table {
                 @let published = row.published();
@@ -185,7 +185,7 @@ fn table(words: &PaperRecord) -> Markup {
 fn degrees(words: &PaperRecord) -> Markup {
     let group = |row: &PaperRowRecord| {
         let bars = vec![
-            Bar { name: "as they are", class: "before", value: row.errors.raw_deg },
+            Bar { name: "before", class: "before", value: row.errors.raw_deg },
             Bar { name: "bounce 1, 8 bits", class: "first", value: row.errors.separated_deg },
             Bar { name: "no noise", class: "second", value: row.noiseless.separated_deg },
         ];

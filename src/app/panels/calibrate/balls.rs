@@ -1,4 +1,4 @@
-//! The balls' circles: found by their edges, placed by a person, typed.
+//! The balls' circles: found by their edges, placed by the user, typed.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use firstbounce_capture::set::{Circle, Number, Sphere, SphereKind, Subject, Word
 use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
 
 use super::balls_of;
-use crate::app::base::jobs::Task;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{Loaded, ShotName};
 use crate::app::state::session::Session;
@@ -31,7 +31,7 @@ pub enum Look {
 
 /// Circles on their way, and how clicks are taken.
 pub struct Balls {
-    finding: Option<(Subject, SphereKind, Task<CircleReport>)>,
+    finding: Keyed<(Subject, SphereKind), CircleReport>,
     /// Which ball a click in the object's scene means.
     pub in_scene: Option<SphereKind>,
     /// Whether a click on a ball's picture looks for its edge.
@@ -40,7 +40,7 @@ pub struct Balls {
 
 impl Default for Balls {
     fn default() -> Self {
-        Self { finding: None, in_scene: None, click_finds: true }
+        Self { finding: Keyed::default(), in_scene: None, click_finds: true }
     }
 }
 
@@ -54,7 +54,7 @@ impl Balls {
             advice(
                 ui,
                 "No ball is in this set: add photos of a grey ball, a ball of the object's paint and a mirror ball in \
-                 Captures, or type the values below. If the balls stand in the object's photos, choose which one below \
+                 Captures, or type the values below. If the balls are in the object's photos, choose which one below \
                  and click it there.",
             );
         }
@@ -136,7 +136,7 @@ impl Balls {
     }
 
     fn state_of(&self, session: &Session, subject: Subject, kind: SphereKind) -> String {
-        if self.finding.as_ref().is_some_and(|(s, k, _)| (*s, *k) == (subject, kind)) {
+        if self.finding.runs(&(subject, kind)) {
             return "looking for its edge ...".into();
         }
         if session.document().set.circle(subject, kind).is_some() {
@@ -156,15 +156,12 @@ impl Balls {
             return;
         };
         let name = format!("Find {}", kind.title().to_lowercase());
-        let task = session.jobs.start(name, move |_| find(&loaded, subject, look).map_err(|error| error.to_string()));
-        self.finding = Some((subject, kind, task));
+        let task = session.jobs.start(name, move |_| find(&loaded, subject, look));
+        self.finding.start((subject, kind), task);
     }
 
     pub fn take_found(&mut self, session: &mut Session) {
-        let Some((subject, kind, task)) = &self.finding else { return };
-        let (subject, kind) = (*subject, *kind);
-        let Some(outcome) = task.poll() else { return };
-        self.finding = None;
+        let Some(((subject, kind), outcome)) = self.finding.take() else { return };
         let title = kind.title();
         match outcome {
             Ok(report) => {
@@ -176,7 +173,7 @@ impl Balls {
                     circle.radius, report.sd_px
                 ));
             }
-            Err(line) => session.error(format!("{title}: {line}")),
+            Err(error) => session.error(format!("{title}: {error}")),
         }
     }
 }
@@ -198,7 +195,7 @@ fn find(loaded: &Arc<Loaded>, subject: Subject, look: Look) -> Result<CircleRepo
     }
 }
 
-/// Puts a ball's circle where a person wants it.
+/// Puts a ball's circle where the user wants it.
 pub fn move_ball(session: &mut Session, subject: Subject, kind: SphereKind, circle: Circle) {
     let name = format!("Place {}", kind.title().to_lowercase());
     session.edit(&name, |document| document.set.put_sphere(Sphere { subject, kind, circle }));

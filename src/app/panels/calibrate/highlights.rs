@@ -15,7 +15,7 @@ const OTHER: Color32 = Color32::from_rgb(240, 150, 60);
 /// A direction that agrees with a candidate's to this is that candidate's.
 const SAME: f64 = 1e-9;
 
-/// Candidates that a person deleted, by light: their places among the candidates, and how many there were.
+/// Candidates that the user deleted, by light: their places among the candidates, and how many there were.
 #[derive(Default)]
 pub struct Deleted(HashMap<String, (usize, Vec<usize>)>);
 
@@ -126,7 +126,7 @@ impl Deleted {
     }
 }
 
-/// The candidate whose direction is in force: the likeliest, unless a person chose another.
+/// The candidate whose direction is in force: the likeliest, unless the user chose another.
 fn chosen(session: &Session, light: &str, candidates: &[Highlight]) -> Option<usize> {
     let Some(given) = session.document().set.given_direction(light) else { return Some(0) };
     let agrees = |candidate: &Highlight| {

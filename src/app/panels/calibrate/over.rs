@@ -1,4 +1,4 @@
-//! What the panel draws over a photo of a ball: its pixels, its circle with handles, its highlights.
+//! The overlay of a ball's photo: its pixels, its circle with handles, its highlights.
 
 use eframe::egui::{Color32, EventFilter, Key, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
 use firstbounce_capture::set::{Circle, SphereKind, Subject};
@@ -44,7 +44,7 @@ fn kinds_in_scene(session: &Session) -> Vec<SphereKind> {
     session.document().set.spheres_in(Subject::Object).map(|sphere| sphere.kind).collect()
 }
 
-/// Draws a circle and moves it as a person wants; whether a handle has the pointer.
+/// Draws a circle and moves it as the user wants; whether a handle has the pointer.
 fn edit_circle(
     panel: &mut Calibrate,
     ui: &mut Ui,

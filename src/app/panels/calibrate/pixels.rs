@@ -25,7 +25,7 @@ struct Made {
     /// The calibration is held: another one cannot come to lie in its place.
     of: Arc<Calibration>,
     ball: (ShotName, SphereKind),
-    /// Whether a view shows it: the legend tells of those.
+    /// Whether a view shows it: the legend names those.
     is_seen: bool,
     texture: TextureHandle,
     /// Of the square of the photo: left, top, width, height in pixels.

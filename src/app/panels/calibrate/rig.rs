@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use eframe::egui::Ui;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::light_file::LightFile;
-use firstbounce_capture::pipeline::{Preference, calibrate};
+use firstbounce_capture::pipeline::{PipelineError, Preference, calibrate};
 use firstbounce_capture::set::Calibration;
 
 use crate::app::base::dialogs::Choose;
-use crate::app::base::jobs::Task;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::session::Session;
 use crate::app::widgets::path_field::PathField;
 
@@ -18,7 +18,7 @@ use crate::app::widgets::path_field::PathField;
 pub struct OtherRig {
     path: PathField,
     same_paint: bool,
-    reading: Option<Task<(CaptureSet, Calibration)>>,
+    reading: Keyed<(), (CaptureSet, Calibration)>,
     report: Vec<String>,
 }
 
@@ -26,7 +26,7 @@ pub struct OtherRig {
 #[derive(Default)]
 pub struct OtherLights {
     path: PathField,
-    reading: Option<Task<(PathBuf, LightFile)>>,
+    reading: Keyed<PathBuf, LightFile>,
     report: Vec<String>,
 }
 
@@ -42,22 +42,17 @@ impl OtherRig {
         let typed = self.path.text.trim().to_owned();
         let pressed = ui.add_enabled(!typed.is_empty(), eframe::egui::Button::new("Use its rig")).clicked();
         if let Some(path) = chosen.into_iter().next().or(pressed.then(|| typed.into())) {
-            self.reading = Some(session.jobs.start("Calibrate the other set", move |job| {
-                let set = CaptureSet::open(path).map_err(|error| error.to_string())?;
-                let calibrated = calibrate(&set, Preference::File, job).map_err(|error| error.to_string())?;
+            let task = session.jobs.start("Calibrate the other set", move |job| {
+                let set = CaptureSet::open(path)?;
+                let calibrated = calibrate(&set, Preference::File, job)?;
                 let values = calibrated.values(&set);
-                Ok((set, values))
-            }));
+                Ok::<_, PipelineError>((set, values))
+            });
+            self.reading.start((), task);
         }
-        match self.reading.as_ref().and_then(Task::poll) {
-            Some(Ok((other, values))) => {
-                self.reading = None;
-                self.take_over(session, &other, &values);
-            }
-            Some(Err(line)) => {
-                self.reading = None;
-                session.error(line);
-            }
+        match self.reading.take() {
+            Some((_, Ok(read))) => self.take_over(session, &read.0, &read.1),
+            Some((_, Err(error))) => session.error(error.to_string()),
             None => {}
         }
         for line in &self.report {
@@ -88,17 +83,13 @@ impl OtherLights {
         let typed = self.path.text.trim().to_owned();
         let pressed = ui.add_enabled(!typed.is_empty(), eframe::egui::Button::new("Use its directions")).clicked();
         if let Some(path) = chosen.into_iter().next().or(pressed.then(|| typed.into())) {
-            self.reading = Some(session.jobs.start("Read the light file", move |_| {
-                let file = LightFile::read(&path).map_err(|error| error.to_string())?;
-                Ok((path, file))
-            }));
+            let from = path.clone();
+            self.reading.start(path, session.jobs.start("Read the light file", move |_| LightFile::read(&from)));
         }
-        if let Some(read) = self.reading.as_ref().and_then(Task::poll) {
-            self.reading = None;
-            match read {
-                Ok((path, file)) => self.take_over(session, &path, &file),
-                Err(line) => session.error(line),
-            }
+        match self.reading.take() {
+            Some((path, Ok(file))) => self.take_over(session, &path, &file),
+            Some((_, Err(error))) => session.error(error.to_string()),
+            None => {}
         }
         for line in &self.report {
             ui.label(line);

@@ -10,7 +10,7 @@ use crate::app::widgets::number_field::fixed;
 use crate::app::widgets::part::part;
 use crate::app::widgets::theme;
 
-/// What a person did to a value.
+/// A change of a value by the user.
 enum Change<T> {
     Typed(T),
     BackToMeasured,
@@ -130,7 +130,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
     ui.horizontal_wrapped(|ui| {
         ui.label("direction").on_hover_text("To the light: x right, y up, z toward the camera; of any length");
         if old.is_none() {
-            ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
+            ui.label(RichText::new("unknown").color(ui.visuals().error_fg_color));
         }
         for (axis, number) in ["x", "y", "z"].into_iter().zip(&mut new) {
             field(ui, Number::Direction, number, &format!("{label}, {axis}"));
@@ -171,7 +171,7 @@ fn number(
     ui.horizontal_wrapped(|ui| {
         ui.label(shown).on_hover_text(meaning);
         if known.is_none() {
-            ui.label(RichText::new("not known").color(ui.visuals().error_fg_color));
+            ui.label(RichText::new("unknown").color(ui.visuals().error_fg_color));
         }
         if field(ui, what, &mut value, label) {
             change = Some(Change::Typed(value));
@@ -222,7 +222,7 @@ fn field(ui: &mut Ui, what: Number, number: &mut f64, name: &str) -> bool {
 
 fn colour(ui: &Ui, level: Level) -> Color32 {
     match level {
-        Level::Fine => theme::good(ui.visuals()),
+        Level::Fine => theme::fine(ui.visuals()),
         Level::TakeCare => ui.visuals().warn_fg_color,
         Level::DoNotTrust => ui.visuals().error_fg_color,
     }

@@ -6,7 +6,7 @@ use firstbounce_capture::set::{Camera, Encoding, Number, Projection};
 use crate::app::state::session::Session;
 use crate::app::widgets::number_field::up_to;
 
-/// What a person answered in this session.
+/// The user's answers in this session.
 #[derive(Default)]
 pub struct CameraPart {
     /// Who said "linear" is not asked again.
@@ -39,7 +39,7 @@ impl CameraPart {
         ui.group(|ui| {
             ui.label(
                 "Some photos have 8 bits a pixel. Cameras and picture programs store such files with the sRGB curve, \
-                 unless somebody took care that they do not. Which is it?",
+                 unless the camera was set to linear. Which is it?",
             );
             ui.horizontal_wrapped(|ui| {
                 if ui.button("They are sRGB").clicked() {
@@ -85,7 +85,7 @@ fn camera(ui: &mut Ui, camera: &mut Camera) {
             (Number::MmPerPixel, mm_per_pixel, 0.1),
         );
     } else {
-        ui.label("Perspective camera: its numbers stand in capture.toml.");
+        ui.label("Perspective camera: its parameters are in capture.toml.");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Files whose names tell nothing: what they are by the order in which they were taken.
+//! Files whose names have no pattern: assigned by the order in which they were taken.
 
 use eframe::egui::{Button, RichText, TextEdit, Ui};
 use firstbounce_capture::CaptureSet;
@@ -6,7 +6,7 @@ use firstbounce_capture::set::Subject;
 
 use super::incoming::subject_box;
 
-/// What a person says of the order.
+/// The order that the user gives.
 pub struct InOrder {
     /// What all of these files show.
     pub subject: Subject,
@@ -28,7 +28,7 @@ impl InOrder {
         }
     }
 
-    /// Asks for the order of `count` files; the light and the colour of each, once a person says that this is it.
+    /// Asks for the order of `count` files; the light and the colour of each, once the user confirms.
     pub fn ui(&mut self, ui: &mut Ui, count: usize) -> Option<Vec<(String, String)>> {
         subject_box(ui, "Subject of these files", &mut self.subject);
         for (title, text) in [("Lights in order", &mut self.lights), ("Colours in order", &mut self.colours)] {
@@ -42,7 +42,7 @@ impl InOrder {
         let fits = order.len() == count;
         let pressed = ui.add_enabled(fits, Button::new(format!("Assign these {count} files in order"))).clicked();
         if !fits {
-            let words = format!("{} lights and colours are named in this way, for {count} files.", order.len());
+            let words = format!("This names {} photos, for {count} files.", order.len());
             ui.label(RichText::new(words).small().color(ui.visuals().warn_fg_color));
         }
         pressed.then_some(order)

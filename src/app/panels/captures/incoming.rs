@@ -1,4 +1,4 @@
-//! Files on their way into the set: what each becomes by the pattern, and what a person makes of the others.
+//! Incoming files: what each becomes by the pattern, and what the user assigns the others to.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::app::state::session::Session;
 use crate::app::widgets::name_field::name_field;
 use crate::app::widgets::part::part;
 
-/// Files that a person dropped, before they are the set's.
+/// Files that the user dropped, before they are the set's.
 pub struct Incoming {
     files: Vec<PathBuf>,
     pattern: String,
@@ -22,7 +22,7 @@ pub struct Incoming {
     in_order: Option<InOrder>,
 }
 
-/// What a person says that a file is.
+/// The user's assignment of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Hand {
     subject: Subject,
@@ -80,12 +80,12 @@ impl Incoming {
                 self.files.retain(|_| kept.next().unwrap_or(false));
                 done = self.files.is_empty();
             }
-            done |= ui.button("Leave these files out").clicked();
+            done |= ui.button("Discard").clicked();
         });
         let unassigned = previews.len() - assigned;
         if unassigned > 0 {
-            let words = if unassigned == 1 { "does not say what it is" } else { "do not say what they are" };
-            ui.label(format!("{} {words}: change the pattern, or say it below.", count_of(unassigned)));
+            let words = if unassigned == 1 { "is not recognised" } else { "are not recognised" };
+            ui.label(format!("{} {words}: change the pattern, or assign them below.", count_of(unassigned)));
             part(ui, "in order", |ui| self.order(ui, &document.set, &previews));
         }
         for (index, preview) in previews.iter().enumerate() {

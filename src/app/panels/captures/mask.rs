@@ -23,7 +23,7 @@ const MAX_SIDE: usize = 1024;
 const INSIDE: Color32 = Color32::from_rgba_premultiplied(20, 70, 90, 90);
 const LINE: Color32 = Color32::from_rgb(80, 220, 255);
 /// Strokes that can be taken back.
-const MOST_STROKES: usize = 32;
+const MAX_STROKES: usize = 32;
 /// Masks that were drawn, beside one set.
 const MAX_MASKS: usize = 1000;
 
@@ -76,10 +76,10 @@ impl MaskPart {
         ui.label(RichText::new("Mask: which pixels are the object").strong());
         ui.label(match &document.set.mask {
             Some(file) => file.clone(),
-            None => "none: the brighter part of the photos is taken".into(),
+            None => "none: the brighter part of the photos is used".into(),
         });
-        if document.set.mask.is_some() && ui.button("Do without a mask").clicked() {
-            session.edit("Do without a mask", |document| document.set.mask = None);
+        if document.set.mask.is_some() && ui.button("Remove the mask").clicked() {
+            session.edit("Remove the mask", |document| document.set.mask = None);
         }
         let dialogs = session.dialogs();
         let chosen = self.path.ui(ui, "Mask file", Choose::Pictures, &dialogs, &mut session.jobs);
@@ -243,7 +243,7 @@ impl MaskPart {
 
 impl Draft {
     fn change(&mut self, change: impl FnOnce(&mut Mask)) {
-        if self.before.len() == MOST_STROKES {
+        if self.before.len() == MAX_STROKES {
             self.before.remove(0);
         }
         self.before.push(self.mask.clone());

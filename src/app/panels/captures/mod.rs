@@ -108,7 +108,7 @@ impl Captures {
     }
 }
 
-/// What is wrong with the set and stands in no cell of the tables.
+/// Problems of the set that belong to no cell of the tables.
 fn problems(ui: &mut Ui, session: &Session) {
     let document = session.document();
     let in_cells = |location| matches!(location, Location::Shot(_));

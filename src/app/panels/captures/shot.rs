@@ -9,7 +9,7 @@ use crate::app::state::results::ShotName;
 use crate::app::state::session::Session;
 use crate::app::widgets::number_field::up_to;
 
-/// Everything about one shot that a person may change.
+/// Everything about one shot that the user may change.
 pub fn ui(ui: &mut Ui, session: &mut Session, name: &ShotName, selected: &mut Option<ShotName>) {
     let document = session.document();
     let Some(index) = document.set.shots.iter().position(|shot| ShotName::of(shot) == *name) else {

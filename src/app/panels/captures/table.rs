@@ -8,10 +8,13 @@ use eframe::egui::{
 };
 use firstbounce_capture::pipeline::{Exposed, region_of, thumbnail};
 use firstbounce_capture::set::{CaptureSet, Encoding, Shot, ShotCell, ShotTable, Sphere};
+use thiserror::Error;
 
 use super::shot;
-use crate::app::base::jobs::{Job, Task};
+use crate::app::base::jobs::Job;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::layout::Shown;
+use crate::app::state::log::Level;
 use crate::app::state::results::{Loaded, ShotName};
 use crate::app::state::session::Session;
 use crate::app::widgets::part::part;
@@ -25,8 +28,9 @@ const TOO_MUCH_DARK: f64 = 0.5;
 /// What is known of every photo.
 #[derive(Default)]
 pub struct Table {
-    seen: Option<Seen>,
-    looking: Option<(Key, Task<Vec<Look>>)>,
+    looks: Keyed<Key, Vec<Look>>,
+    /// The last looks, with their pictures on the card.
+    seen: Vec<(ShotName, Option<Exposed>, Option<TextureHandle>)>,
 }
 
 /// What the look at the photos depends on.
@@ -40,11 +44,6 @@ impl PartialEq for Key {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.loaded, &other.loaded) && self.spheres == other.spheres
     }
-}
-
-struct Seen {
-    key: Key,
-    cells: Vec<(ShotName, Option<Exposed>, Option<TextureHandle>)>,
 }
 
 /// One photo, looked at.
@@ -118,7 +117,7 @@ impl Table {
         let loaded = session.results.loaded();
         let failed =
             loaded.as_ref().and_then(|loaded| loaded.shot(name)?.photo.as_ref().err()).map(ToString::to_string);
-        let seen = self.seen.as_ref().and_then(|seen| seen.cells.iter().find(|(known, ..)| known == name));
+        let seen = self.seen.iter().find(|(known, ..)| known == name);
         let texture = seen.and_then(|(_, _, texture)| texture.as_ref());
         let wrong: Vec<&String> = cell.problems.iter().chain(&failed).collect();
 
@@ -149,29 +148,25 @@ impl Table {
         }
     }
 
-    /// Looks at the photos anew where they or the balls' circles have changed, on a worker.
+    /// Looks at the photos again where they or the balls' circles have changed, on a worker.
     fn look(&mut self, ui: &Ui, session: &mut Session) {
-        if let Some((key, task)) = self.looking.take() {
-            match task.poll() {
-                Some(Ok(looks)) => {
-                    let cells = looks.into_iter().map(|look| {
-                        let load = |image| ui.ctx().load_texture("thumbnail", image, TextureOptions::LINEAR);
-                        (look.name, look.exposed, look.small.map(load))
-                    });
-                    self.seen = Some(Seen { key, cells: cells.collect() });
-                }
-                Some(Err(line)) => session.log.add(crate::app::state::log::Level::Warning, line),
-                None => self.looking = Some((key, task)),
+        match self.looks.poll() {
+            Some(Ok(looks)) => {
+                let load =
+                    |image: &ColorImage| ui.ctx().load_texture("thumbnail", image.clone(), TextureOptions::LINEAR);
+                let seen = looks.iter().map(|look| (look.name.clone(), look.exposed, look.small.as_ref().map(load)));
+                self.seen = seen.collect();
             }
+            Some(Err(error)) => session.log.add(Level::Warning, error.to_string()),
+            None => {}
         }
         let Some(loaded) = session.results.loaded() else { return };
         let document = session.document();
         let key = Key { loaded, spheres: document.set.spheres.clone() };
-        let known = self.looking.as_ref().map(|(key, _)| key).or(self.seen.as_ref().map(|seen| &seen.key));
-        if known != Some(&key) && self.looking.is_none() {
+        if self.looks.wants(&key) {
             let of = key.clone();
             let task = session.jobs.start("Look at the photos", move |job| look_at(&document.set, &of.loaded, job));
-            self.looking = Some((key, task));
+            self.looks.start(key, task);
         }
     }
 }
@@ -193,12 +188,17 @@ fn numbers(ui: &mut Ui, shot: &Shot, exposed: Option<Exposed>) {
     ui.label(small(format!("exposure {}, {files}", shot.exposure)));
 }
 
-fn look_at(set: &CaptureSet, loaded: &Loaded, job: &Job) -> Result<Vec<Look>, String> {
+/// The user stopped the look at the photos.
+#[derive(Clone, Copy, Debug, Error)]
+#[error("the look at the photos was cancelled: it comes with the next change")]
+struct Cancelled;
+
+fn look_at(set: &CaptureSet, loaded: &Loaded, job: &Job) -> Result<Vec<Look>, Cancelled> {
     let mask = loaded.object.as_ref().ok().map(|object| &object.mask);
     let mut looks = Vec::with_capacity(loaded.shots.len());
     for shot in &loaded.shots {
         if job.is_cancelled() {
-            return Err("the look at the photos was cancelled".into());
+            return Err(Cancelled);
         }
         let name = shot.name.clone();
         let Ok(photo) = &shot.photo else {

@@ -1,4 +1,4 @@
-//! How often a value occurs.
+//! The histogram: how often a value occurs.
 
 use eframe::egui::{Color32, Role, Ui, WidgetInfo};
 use egui_plot::{Line, Plot};

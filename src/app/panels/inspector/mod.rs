@@ -1,4 +1,4 @@
-//! What is under the cursor, in a region and along a line, in numbers.
+//! The inspector: numbers under the cursor, in a region and along a line.
 
 mod cursor;
 mod histogram;
@@ -44,7 +44,7 @@ impl Panel for Inspector {
                 let line = self.tool.line(shown.subject());
                 section(ui, "Profile along the line", |ui| self.line.ui(ui, &shown, line, &document, session));
             }
-            Err(line) => advice(ui, &line),
+            Err(error) => advice(ui, &error.to_string()),
         }
     }
 

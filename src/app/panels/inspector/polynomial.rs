@@ -8,12 +8,13 @@ use firstbounce_core::separate::PixelPolynomial;
 use super::number;
 use crate::app::state::document::Document;
 use crate::app::state::layout::Hover;
+use crate::app::state::results::StageError;
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 
 const HEIGHT: f32 = 170.0;
 const SAMPLES: usize = 60;
-/// Fill of each bounce, to be told apart in dark and light and without colour vision.
+/// Fill of each bounce, to be distinguished in dark and light and without colour vision.
 const BOUNCES: [Color32; 4] = [
     Color32::from_rgb(86, 180, 233),
     Color32::from_rgb(230, 159, 0),
@@ -33,7 +34,7 @@ pub fn ui(ui: &mut Ui, at: &Hover, document: &Document, session: &Session) {
             plot(ui, &pixel, document);
             table(ui, &pixel, document);
         }
-        Err(line) => advice(ui, &line),
+        Err(error) => advice(ui, &error.to_string()),
     }
 }
 
@@ -42,20 +43,23 @@ fn of_pixel(
     (x, y): (usize, usize),
     document: &Document,
     session: &Session,
-) -> Result<PixelPolynomial, String> {
-    let loaded = session.results.loaded().ok_or("The photos are being read.")?;
-    let object = loaded.object.as_ref().map_err(ToString::to_string)?;
+) -> Result<PixelPolynomial, StageError> {
+    let loaded = session.results.loaded().ok_or(StageError::Reading)?;
+    let object = loaded.object.as_ref().map_err(Clone::clone)?;
     let rig = session.results.rig(document);
     let system = rig.system(light)?;
-    let index = rig.lights.iter().position(|name| name == light).ok_or("There is no such light.")?;
-    let photos = object.photos.get(index).ok_or("This light is being read.")?;
+    let index = rig
+        .lights
+        .iter()
+        .position(|name| name == light)
+        .ok_or_else(|| StageError::NoLight { light: light.to_owned() })?;
+    let photos = object.photos.get(index).ok_or(StageError::Reading)?;
     let inside = photos.iter().all(|photo| x < photo.linear.width() && y < photo.linear.height());
     let (Some(alpha), Some(beta), true) = (&rig.alpha[index], &rig.beta, inside) else {
-        let outside = || "The pixel lies outside the object's photos.".into();
-        return Err(rig.missing().map_or_else(outside, |missing| missing.to_string()));
+        return Err(rig.missing().unwrap_or(StageError::Outside));
     };
     if photos.len() != system.operator.ncols() {
-        return Err("The photos are being read.".into());
+        return Err(StageError::Reading);
     }
     let light: Vec<_> = photos.iter().map(|photo| f64::from(photo.linear.at(x, y))).collect();
     let bounces = system.operator.row_iter().map(|row| row.iter().zip(&light).map(|(w, n)| w * n).sum()).collect();
@@ -107,7 +111,7 @@ fn table(ui: &mut Ui, pixel: &PixelPolynomial, document: &Document) {
         }
         if pixel.measured.len() > pixel.bounces.len() {
             for (colour, left) in document.set.colours.iter().zip(pixel.residuals()) {
-                ui.label(format!("Left over, {}", colour.name));
+                ui.label(format!("Residual, {}", colour.name));
                 ui.monospace(number(left));
                 ui.end_row();
             }

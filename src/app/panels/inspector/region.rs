@@ -7,7 +7,7 @@ use firstbounce_core::Mask;
 use firstbounce_core::image::statistics::{Histogram, Region, RegionStatistics, Scale, statistics};
 
 use super::{histogram, number};
-use crate::app::base::jobs::Task;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::layout::Shown;
 use crate::app::state::session::Session;
 use crate::app::views::Picture;
@@ -25,19 +25,31 @@ pub struct RegionSection {
     scale: Scale,
     /// Whether the histogram's counts are shown by their logarithm, so that rare values are seen too.
     log_counts: bool,
-    measured: Option<Measured>,
-    task: Option<Task<Measured>>,
+    measured: Keyed<Wanted, Measured>,
     /// What is to be measured once it has rested, and since when it rests.
-    wanted: Option<(Source, Instant)>,
+    rests: Option<(Source, Instant)>,
 }
 
-/// The numbers of a picture in a region, and of which.
-#[derive(Clone, Debug)]
-struct Measured {
+/// Which numbers are measured, and where.
+#[derive(Clone)]
+struct Wanted {
     shown: Shown,
     source: Source,
     region: Option<Region>,
     scale: Scale,
+}
+
+impl PartialEq for Wanted {
+    fn eq(&self, other: &Self) -> bool {
+        self.scale == other.scale
+            && self.region == other.region
+            && self.shown == other.shown
+            && self.source.same_numbers(&other.source)
+    }
+}
+
+/// The numbers of a picture in a region.
+struct Measured {
     statistics: Vec<Option<RegionStatistics>>,
     histograms: Vec<Histogram>,
 }
@@ -51,7 +63,9 @@ impl RegionSection {
         region: Option<&Region>,
         session: &mut Session,
     ) {
-        self.measure(ui, shown, &picture.source, region, session);
+        let source = picture.source.clone();
+        let wanted = Wanted { shown: shown.clone(), source, region: region.cloned(), scale: self.scale };
+        self.measure(ui, wanted, session);
         let of = match region {
             Some(Region::Rectangle(a, b)) => {
                 format!("{} x {} px", number((b[0] - a[0]).abs()), number((b[1] - a[1]).abs()))
@@ -63,11 +77,13 @@ impl RegionSection {
         ui.label(format!("{}: {of}", shown.title()));
         ui.label(RichText::new(picture.quantity).weak());
         // While a value is dragged the numbers may lag, but never are those of another picture.
-        let Some(measured) = self.measured.as_ref().filter(|measured| measured.shown == *shown) else {
-            ui.label(RichText::new("Being measured.").weak());
+        let last = self.measured.last().filter(|(of, _)| of.shown == *shown);
+        let Some((of, measured)) = last.and_then(|(of, outcome)| Some((of, outcome.as_ref().ok()?))) else {
+            ui.label(RichText::new("Measuring.").weak());
             return;
         };
-        table(ui, measured);
+        let channels = of.source.channels();
+        table(ui, channels, measured);
         ui.horizontal_wrapped(|ui| {
             ui.label("Histogram");
             ui.radio_value(&mut self.scale, Scale::Linear, "Linear");
@@ -75,74 +91,63 @@ impl RegionSection {
             ui.checkbox(&mut self.log_counts, "Logarithmic counts")
                 .on_hover_text("Shows rare values beside frequent ones");
         });
-        histogram::ui(ui, &measured.histograms, measured.source.channels(), self.log_counts);
+        histogram::ui(ui, &measured.histograms, channels, self.log_counts);
     }
 
-    /// Whether the numbers stay as they are: those of a large picture are not measured in every frame of a drag, which would
+    /// Whether the numbers stay: those of a large picture are not measured in every frame of a drag, which would
     /// take the cores from the drag.
     fn has_rested(&mut self, ui: &Ui, source: &Source) -> bool {
         let (width, height) = source.size();
         if width * height <= AT_ONCE_PIXELS {
             return true;
         }
-        match &self.wanted {
+        match &self.rests {
             Some((wanted, since)) if wanted.same_numbers(source) => match REST.checked_sub(since.elapsed()) {
                 Some(left) if !left.is_zero() => ui.ctx().request_repaint_after(left),
                 _ => return true,
             },
             _ => {
-                self.wanted = Some((source.clone(), Instant::now()));
+                self.rests = Some((source.clone(), Instant::now()));
                 ui.ctx().request_repaint_after(REST);
             }
         }
         false
     }
 
-    /// Takes what is ready, and starts anew when it is not that of this frame.
-    fn measure(&mut self, ui: &Ui, shown: &Shown, source: &Source, region: Option<&Region>, session: &mut Session) {
-        if let Some(result) = self.task.as_ref().and_then(Task::poll) {
-            self.task = None;
-            self.measured = result.ok();
+    /// Takes what is ready, and starts again when it is not that of this frame.
+    fn measure(&mut self, ui: &Ui, wanted: Wanted, session: &mut Session) {
+        self.measured.poll();
+        if self.measured.wants(&wanted) && self.has_rested(ui, &wanted.source) {
+            let of = wanted.clone();
+            self.measured.start(wanted, session.jobs.compute("Measure region", move |_| measure(&of)));
         }
-        let is_it = |measured: &Measured| {
-            measured.scale == self.scale
-                && measured.region.as_ref() == region
-                && measured.shown == *shown
-                && measured.source.same_numbers(source)
-        };
-        if self.task.is_some() || self.measured.as_ref().is_some_and(is_it) || !self.has_rested(ui, source) {
-            return;
-        }
-        let (shown, source, region, scale) = (shown.clone(), source.clone(), region.cloned(), self.scale);
-        self.task = Some(session.jobs.start("Measure region", move |_| Ok(measure(shown, source, region, scale))));
     }
 }
 
-fn measure(shown: Shown, source: Source, region: Option<Region>, scale: Scale) -> Measured {
+fn measure(Wanted { source, region, scale, .. }: &Wanted) -> Measured {
     let (width, height) = source.size();
-    let mask = match &region {
+    let mask = match region {
         Some(region) => region.mask(width, height),
         None => source.inside().unwrap_or_else(|| Mask::filled(width, height, true)),
     };
     let planes = source.planes();
     let statistics = planes.iter().map(|plane| statistics(plane, &mask)).collect();
-    let histograms = planes.iter().map(|plane| Histogram::new(plane, Some(&mask), BINS, scale)).collect();
-    Measured { shown, source, region, scale, statistics, histograms }
+    let histograms = planes.iter().map(|plane| Histogram::new(plane, Some(&mask), BINS, *scale)).collect();
+    Measured { statistics, histograms }
 }
 
-fn table(ui: &mut Ui, measured: &Measured) {
+fn table(ui: &mut Ui, channels: &[&str], measured: &Measured) {
     type Value = fn(&RegionStatistics) -> String;
     let rows: [(&str, Value); 8] = [
         ("Mean", |found| number(found.mean)),
         ("Standard deviation", |found| number(found.sd)),
         ("Smallest", |found| number(found.min)),
-        ("5 % are below", |found| number(found.percentile_5)),
+        ("5th percentile", |found| number(found.percentile_5)),
         ("Median", |found| number(found.median)),
-        ("95 % are below", |found| number(found.percentile_95)),
+        ("95th percentile", |found| number(found.percentile_95)),
         ("Largest", |found| number(found.max)),
         ("Pixels", |found| found.pixels.to_string()),
     ];
-    let channels = measured.source.channels();
     Grid::new("statistics").striped(true).show(ui, |ui| {
         if channels.len() > 1 {
             ui.label("");

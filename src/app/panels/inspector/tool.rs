@@ -1,4 +1,4 @@
-//! What a person draws on pictures to measure: a rectangle, a lasso, a line. By pointer, or by typed corners.
+//! Measuring tools drawn on pictures: a rectangle, a lasso, a line. By pointer, or by typed corners.
 
 use eframe::egui::{Color32, Painter, Pos2, RichText, Stroke, Ui};
 use firstbounce_capture::set::Subject;

@@ -7,11 +7,12 @@ mod verdict;
 
 use eframe::egui::{RichText, Ui};
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::SolveOptions;
+use firstbounce_capture::pipeline::{PipelineError, SolveOptions};
 use firstbounce_core::trust::{Rig, Trust, TrustOptions, judge};
 
 use super::Panel;
 use crate::app::state::document::Document;
+use crate::app::state::results::StageError;
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 use crate::app::widgets::part::part;
@@ -25,7 +26,7 @@ pub struct Separate {
 struct Judged {
     rig: Rig,
     options: TrustOptions,
-    verdict: Result<Trust, String>,
+    verdict: Result<Trust, StageError>,
 }
 
 impl Panel for Separate {
@@ -47,7 +48,7 @@ impl Panel for Separate {
                 part(ui, "verdict", |ui| verdict::ui(ui, trust, &document.set, session));
                 part(ui, "numbers", |ui| numbers::ui(ui, trust));
             }
-            Err(line) => advice(ui, line),
+            Err(error) => advice(ui, &error.to_string()),
         }
         part(ui, "beta", |ui| albedo::ui(ui, &document, session));
         part(ui, "curve", |ui| curve::ui(ui, &document, &options, session));
@@ -59,12 +60,12 @@ impl Panel for Separate {
 
 impl Separate {
     /// The verdict on the document as it is in this frame.
-    fn verdict(&mut self, document: &Document, options: TrustOptions, session: &Session) -> Result<Trust, String> {
+    fn verdict(&mut self, document: &Document, options: TrustOptions, session: &Session) -> Result<Trust, StageError> {
         let rig = session.results.trust_rig(document)?;
         match &self.judged {
             Some(judged) if judged.rig == rig && judged.options == options => judged.verdict.clone(),
             _ => {
-                let verdict = judge(&rig, &options).map_err(|error| error.to_string());
+                let verdict = judge(&rig, &options).map_err(|error| PipelineError::from(error).into());
                 self.judged = Some(Judged { rig, options, verdict: verdict.clone() });
                 verdict
             }
@@ -75,7 +76,7 @@ impl Separate {
 /// m as a choice of 1 to n.
 fn order(ui: &mut Ui, document: &Document, session: &mut Session) {
     let (colours, chosen) = (document.set.colours.len(), document.set.bounces());
-    ui.label(RichText::new("Order m: bounces to tell apart").strong());
+    ui.label(RichText::new("Order m: bounces to separate").strong());
     ui.horizontal_wrapped(|ui| {
         for m in 1..=colours.max(chosen) {
             let choice = ui.radio(m == chosen, format!("m = {m}"));
@@ -85,7 +86,7 @@ fn order(ui: &mut Ui, document: &Document, session: &mut Session) {
         }
     });
     if document.set.separation.bounces.is_none() {
-        ui.label(RichText::new("The set leaves m to the program.").weak());
+        ui.label(RichText::new("The set does not give m: the program chooses.").weak());
     }
 }
 
@@ -95,8 +96,8 @@ fn choose_order(session: &mut Session, m: usize) {
 
 fn order_words(m: usize) -> &'static str {
     match m {
-        1 => "All light counts as direct: nothing is taken out",
-        2 => "Direct light, and light that bounced twice: a good model of many scenes, and the quietest",
+        1 => "All light counts as direct: nothing is removed",
+        2 => "Direct light, and light that bounced twice: a good model of many scenes, with the least noise",
         _ => "Follows deep cavities better, and costs more noise",
     }
 }

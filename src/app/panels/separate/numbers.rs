@@ -1,4 +1,4 @@
-//! What the verdict stands on, as numbers with units.
+//! The evidence of the verdict, as numbers with units.
 
 use eframe::egui::{CollapsingHeader, Grid, RichText, Ui};
 use firstbounce_capture::CaptureSet;
@@ -20,12 +20,11 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
             let name = format!("Gain of bounce {}", k + 1);
             row(ui, &name, &number(gain), "Noise of this bounce for unit noise on every photo");
         }
-        let (noise, quiet) = (worst(&|light| light.noise_percent), worst(&|light| light.denoised_noise_percent));
+        let (noise, denoised) = (worst(&|light| light.noise_percent), worst(&|light| light.denoised_noise_percent));
         let words = |value| percent(value).map_or(NEGATIVE.into(), |percent| format!("{percent} of it"));
         row(ui, "Noise of bounce 1", &words(noise), "Of a pixel of mean light, as bounce 1 is saved");
-        let averaged =
-            "The same once the noise of indirect light is averaged over a few pixels: normals are made of this";
-        row(ui, "Noise once averaged", &words(quiet), averaged);
+        let averaged = "The same after denoising the indirect light: the normals are computed from this";
+        row(ui, "Noise after denoising", &words(denoised), averaged);
         let calibration = worst(&|light| light.calibration_percent);
         row(
             ui,
@@ -33,10 +32,16 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
             &percent(calibration).map_or(NEGATIVE.into(), |percent| format!("{percent} of bounce 1")),
             "By the intervals of alpha and beta",
         );
-        row(ui, "Tail", &tail(trust), "Light of more than m bounces, by the mean light of the colours");
+        row(
+            ui,
+            "Truncation bias",
+            &truncation(trust),
+            "Light of more than m bounces, by the mean light of the colours",
+        );
         match &trust.normal {
             Some(normal) => {
-                let words = format!("{} ({} not averaged)", angle(normal.denoised_noise_deg), angle(normal.noise_deg));
+                let words =
+                    format!("{} ({} before denoising)", angle(normal.denoised_noise_deg), angle(normal.noise_deg));
                 row(ui, "Normals, by noise", &words, "Root mean square angle at a pixel of mean light");
                 let words = angle(normal.calibration_deg);
                 row(ui, "Normals, by calibration", &words, "By the intervals of alpha and beta");
@@ -51,15 +56,15 @@ pub fn lights(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
     CollapsingHeader::new("Each light").id_salt("each light").show(ui, |ui| each_light(ui, trust, set));
 }
 
-fn tail(trust: &Trust) -> String {
+fn truncation(trust: &Trust) -> String {
     let tails: Vec<_> = trust.lights.iter().filter_map(|light| light.truncation_percent).collect();
     let largest = tails.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()));
-    largest.map_or("unknown: one colour".into(), |tail| format!("{tail:+.1} % of bounce 1"))
+    largest.map_or("unknown: one colour".into(), |percent| format!("{percent:+.1} % of bounce 1"))
 }
 
 fn each_light(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
     Grid::new("each light").striped(true).show(ui, |ui| {
-        for heading in ["Light", "Gain", "Noise", "Calibration", "Tail", "Returned"] {
+        for heading in ["Light", "Gain", "Noise", "Calibration", "Truncation", "Returned"] {
             ui.label(RichText::new(heading).strong());
         }
         ui.end_row();

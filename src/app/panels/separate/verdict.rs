@@ -18,7 +18,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet, session: &mut Session) {
         let verdict = format!("{} {}", sign(trust.level), title(trust.level));
         ui.label(RichText::new(verdict).strong().size(17.0).color(colour));
         if trust.reasons.is_empty() {
-            ui.label("Noise, calibration and the tail all stay small.");
+            ui.label("Noise, calibration error and truncation bias are small.");
         }
         for (level, reason) in &trust.reasons {
             ui.horizontal_wrapped(|ui| {
@@ -88,7 +88,7 @@ fn sign(level: Level) -> &'static str {
 
 fn colour_of(ui: &Ui, level: Level) -> Color32 {
     match level {
-        Level::Fine => theme::good(ui.visuals()),
+        Level::Fine => theme::fine(ui.visuals()),
         Level::TakeCare => ui.visuals().warn_fg_color,
         Level::DoNotTrust => ui.visuals().error_fg_color,
     }

@@ -38,7 +38,7 @@ fn one(ui: &mut Ui, session: &mut Session, document: &Document, method: Method, 
         StageState::Failed { line } | StageState::Blocked { line } => {
             ui.colored_label(ui.visuals().error_fg_color, line);
         }
-        StageState::Running { .. } | StageState::Stale => advice(ui, format!("{} is at work.", upper_first(title))),
+        StageState::Running { .. } | StageState::Stale => advice(ui, &format!("{} is running.", upper_first(title))),
         StageState::Ready => {}
     }
     // What failed for this document says nothing of an older result.
@@ -99,7 +99,7 @@ fn grey_albedo(ui: &mut Ui, session: &mut Session, document: &Document) {
     let name = ui.label("Albedo of the grey ball").on_hover_text(hover);
     let old = document.set.calibration.grey_albedo;
     let mut albedo = old.unwrap_or(0.0);
-    let words = |value: f64, _| if value > 0.0 { format!("{value:.3}") } else { "not known".into() };
+    let words = |value: f64, _| if value > 0.0 { format!("{value:.3}") } else { "unknown".into() };
     let field =
         DragValue::new(&mut albedo).range(0.0..=*Number::GreyAlbedo.range().end()).speed(0.002).custom_formatter(words);
     if ui.add(field.custom_parser(|text| text.trim().parse().ok())).labelled_by(name.id).changed() {

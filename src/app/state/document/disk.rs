@@ -27,7 +27,7 @@ const WATCH_EVERY: Duration = Duration::from_secs(1);
 /// Why the document was not saved.
 #[derive(Debug, Error)]
 pub enum SaveError {
-    /// Nobody has said where.
+    /// No folder was chosen.
     #[error("this set has no folder yet: choose \"Save as\"")]
     NoFolder,
     /// Another program wrote the file since it was read.
@@ -187,7 +187,7 @@ impl DiskWatch {
     pub fn new(path: PathBuf, wake: Wake) -> Self {
         let written = Arc::new(AtomicBool::new(false));
         let kept = Arc::downgrade(&written);
-        // Without a thread nobody notices, and saving still asks.
+        // Without a thread it goes unnoticed, and saving still asks.
         let _ = std::thread::Builder::new().name("disk watch".into()).spawn(move || watch(&path, &kept, &wake));
         Self { written }
     }

@@ -184,7 +184,7 @@ impl Editor {
         self.file = FileOnDisk::of(self.file.path.clone());
     }
 
-    /// Reads the file anew. Undo brings back what was there before.
+    /// Reads the file again. Undo brings back what was there before.
     pub fn reload(&mut self) -> Result<(), SetError> {
         let reading = Reading::open(&self.file.path)?;
         self.file = FileOnDisk::of(self.file.path.clone());

@@ -1,4 +1,4 @@
-//! The document: what a person edits, with undo, and everything that keeps it safe.
+//! The document: the set and its settings, with undo, saving and recovery.
 
 mod disk;
 mod editor;
@@ -18,7 +18,7 @@ pub use recovery::{Recovered, Recovery, save_everything_now};
 pub use reference::{Pose, Poses, ReferenceSettings, ReferenceSource};
 pub use settings::{NayarSettings, Settings};
 
-/// Everything that a person edits and that undo brings back. Small: photos and results are elsewhere.
+/// Everything that the user edits and that undo brings back. Small: photos and results are elsewhere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Document {
     /// What capture.toml says.

@@ -1,4 +1,4 @@
-//! What survives a crash: the unsaved document, in a folder of this run that is locked while the run lives.
+//! Recovery after a crash: the unsaved document, in a folder of this run that is locked while the run lives.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -69,7 +69,7 @@ impl Recovery {
         folders.filter(abandoned).filter_map(read).collect()
     }
 
-    /// Leaves what was noted to the next run: this one must end, and not because a person wants it to.
+    /// Leaves what was noted to the next run: this one must end, and the user did not ask for it.
     pub fn leave_to_next_run(&self) {
         self.stays.store(true, Ordering::Relaxed);
         save_everything_now();
@@ -128,7 +128,7 @@ fn keep_while_noted(news: &Receiver<()>, place: &Path) {
     }
 }
 
-/// Writes the unsaved document into the recovery folder; tells whether there was one. For the panic hook, too.
+/// Writes the unsaved document into the recovery folder; returns whether there was one. For the panic hook, too.
 pub fn save_everything_now() -> bool {
     let unsaved = UNSAVED.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let Some((place, document)) = unsaved else { return false };

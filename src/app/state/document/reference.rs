@@ -1,4 +1,4 @@
-//! What a person chose about the reference: which scan, in which unit, where it lies.
+//! Settings of the reference: which scan, in which unit, where it lies.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ pub struct ReferenceSettings {
     /// What one unit of its file is.
     #[serde(default)]
     pub unit: LengthScale,
-    /// Where the surfaces lie on it; `None` while nobody aligned them.
+    /// Where the surfaces lie on it; `None` while they are not aligned.
     #[serde(default)]
     pub poses: Option<Poses>,
 }
@@ -33,7 +33,7 @@ pub enum ReferenceSource {
 pub struct Poses {
     /// That from bounce 1.
     pub after: Pose,
-    /// That from the raw photos; as that from bounce 1 where it could not be aligned by itself.
+    /// The surface before; as that from bounce 1 where it could not be aligned by itself.
     pub before: Pose,
 }
 

@@ -1,4 +1,4 @@
-//! What a person chooses in the window beyond capture.toml.
+//! The window's settings beyond capture.toml.
 
 use std::ops::RangeInclusive;
 
@@ -109,5 +109,24 @@ impl NayarSettings {
     /// As the pipeline takes them.
     pub fn options(&self) -> ByShapeOptions {
         ByShapeOptions { patches: self.patches, max_iterations: self.max_iterations, ..ByShapeOptions::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAGE: &str = include_str!("../../../capture/FORMAT.md");
+
+    #[test]
+    fn the_page_of_formats_names_every_setting_that_is_kept_and_no_other() {
+        let section = PAGE.split("## firstbounce-view.json").nth(1).unwrap();
+        let mut named: Vec<_> =
+            section.split("`settings.").skip(1).map(|rest| rest.split('`').next().unwrap()).collect();
+        named.sort_unstable();
+        let kept = serde_json::to_value(Settings::default()).unwrap();
+        let mut kept: Vec<_> = kept.as_object().unwrap().keys().map(String::as_str).collect();
+        kept.sort_unstable();
+        assert_eq!(named, kept);
     }
 }

@@ -117,7 +117,7 @@ fn a_crash_leaves_the_unsaved_document_to_the_next_run_and_an_orderly_end_leaves
     let (_folder, mut editor) = opened();
     rename(&mut editor, "Jug");
 
-    // A run that crashed: its folder is there, and nobody holds the lock.
+    // A run that crashed: its folder is there, and nothing holds the lock.
     let crashed = root.path().join("0");
     std::fs::create_dir(&crashed).unwrap();
     File::create(crashed.join("lock")).unwrap();

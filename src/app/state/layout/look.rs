@@ -1,4 +1,4 @@
-//! How a view turns numbers into colours: what a person chose, over what the picture proposes.
+//! The look of a view, from numbers to colours: the user's choices over the picture's proposal.
 
 use std::ops::RangeInclusive;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gpu::{ColourMap, Display, Encoding, Tint};
 
-/// A person's choices; where there is none, the picture's own proposal holds.
+/// The user's choices; where there is none, the picture's own proposal holds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Look {

@@ -16,7 +16,7 @@ use crate::app::state::surfaces::SurfaceLook;
 /// One view: what it shows and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct View {
-    /// Tells views apart for as long as the layout is kept.
+    /// Identifies the view for as long as the layout is kept.
     pub id: u64,
     /// What is shown.
     pub shown: Shown,

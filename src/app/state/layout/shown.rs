@@ -1,4 +1,4 @@
-//! What a view can show.
+//! The pictures that a view can show.
 
 use firstbounce_capture::pipeline::Method;
 use firstbounce_capture::set::Subject;

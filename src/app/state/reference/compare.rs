@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use firstbounce_capture::pipeline::{Compared, Registration, compare_meshes};
-use firstbounce_core::mesh::compare::{AlignOptions, DistanceOptions, Start};
+use firstbounce_core::mesh::compare::{AlignOptions, CompareError, DistanceOptions, Start};
 use firstbounce_core::{Mesh, Portion, Watch};
 use nalgebra::Isometry3;
+use thiserror::Error;
 
 use super::{Basis, News, Reference};
 use crate::app::base::bars::Bars;
@@ -13,6 +14,17 @@ use crate::app::base::jobs::{Job, Jobs};
 use crate::app::state::document::{Pose, Poses};
 use crate::app::state::results::{Meshes, SurfaceName};
 use crate::app::state::surfaces::LayerName;
+
+/// Why nothing was compared.
+#[derive(Clone, Copy, Debug, Error)]
+pub enum NothingToCompare {
+    /// No surface of the document.
+    #[error("the surface is not computed yet: see Shape")]
+    Surface,
+    /// No reference.
+    #[error("there is no reference yet: load one first")]
+    Reference,
+}
 
 /// How the surfaces come to the reference.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +39,8 @@ pub enum How {
 pub struct Outcome {
     /// From bounce 1.
     pub after: Compared,
-    /// From the raw photos, or why it could not be compared.
-    pub before: Result<Compared, String>,
+    /// Before, or why it could not be compared.
+    pub before: Result<Compared, CompareError>,
     /// The distances of bounce 1.
     pub bars: Bars,
 }
@@ -59,23 +71,22 @@ impl Reference {
         poses: Option<Poses>,
         meshes: Option<Arc<Meshes>>,
         jobs: &mut Jobs,
-    ) -> Result<(), String> {
-        let meshes = meshes.ok_or("the surface is not computed yet: see Shape")?;
-        let reference = self.mesh().ok_or("there is no reference yet: load one first")?;
+    ) -> Result<(), NothingToCompare> {
+        let meshes = meshes.ok_or(NothingToCompare::Surface)?;
+        let reference = self.mesh().ok_or(NothingToCompare::Reference)?;
         let name = match how {
             How::AsTheyLie => "Compare with the reference",
             How::Align(_) => "Align with the reference",
         };
         let basis = Basis { meshes: meshes.clone(), reference: reference.clone(), poses };
         let task = jobs.start(name, move |job| outcome(&how, poses, &meshes, &reference, job));
-        self.comparing = Some((basis, task));
+        self.compared.start(basis, task);
         self.pairs = None;
         Ok(())
     }
 
     pub(super) fn take_compared(&mut self, news: &mut Vec<News>) {
-        let Some(outcome) = self.comparing.as_ref().and_then(|(_, task)| task.poll()) else { return };
-        let Some((mut basis, _)) = self.comparing.take() else { return };
+        let Some((mut basis, outcome)) = self.compared.take() else { return };
         match &outcome {
             Ok(outcome) => {
                 if let Some(poses) = outcome.poses() {
@@ -83,13 +94,19 @@ impl Reference {
                     news.push(News::Aligned(poses));
                 }
             }
-            Err(line) => news.push(News::Failed(line.clone())),
+            Err(error) => news.push(News::Failed(error.clone())),
         }
-        self.compared = Some(super::LastComparison { basis, outcome: outcome.map(Arc::new) });
+        self.compared.keep(basis, outcome);
     }
 }
 
-fn outcome(how: &How, poses: Option<Poses>, meshes: &Meshes, reference: &Mesh, job: &Job) -> Result<Outcome, String> {
+fn outcome(
+    how: &How,
+    poses: Option<Poses>,
+    meshes: &Meshes,
+    reference: &Mesh,
+    job: &Job,
+) -> Result<Outcome, CompareError> {
     let one = |how: &How, search: bool, mesh: &Mesh, pose: Option<Pose>, from: f32| {
         let watch: &dyn Watch = job;
         let aligning = Portion { watch, from, to: from + 0.35 };
@@ -106,14 +123,14 @@ fn outcome(how: &How, poses: Option<Poses>, meshes: &Meshes, reference: &Mesh, j
             .map_err(|error| error.to_string())
     };
     let after = one(how, true, &meshes.after, poses.map(|poses| poses.after), 0.0)?;
-    // Both come from one camera: where bounce 1 lies, the raw photos' surface lies nearly too, and need not be searched for.
+    // Both come from one camera: where bounce 1 lies, the surface before lies nearly too, and need not be searched for.
     let (how, search) = match &after.alignment {
         Some(found) => (How::Align(Start::Pose(found.moving_to_fixed)), false),
         None => (how.clone(), true),
     };
     let before = one(&how, search, &meshes.before, poses.map(|poses| poses.before), 0.5);
     if job.is_cancelled() {
-        return Err("the comparison was cancelled".into());
+        return Err(CompareError::Cancelled);
     }
     let bars = Bars::of(after.comparison.signed_mm.iter().flatten().map(|signed| f64::from(*signed)));
     Ok(Outcome { after, before, bars })

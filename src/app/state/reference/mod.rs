@@ -9,11 +9,12 @@ use std::sync::Arc;
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::mesh_file::read::LengthScale;
-use firstbounce_capture::pipeline::{read_comparable, truth_mesh};
+use firstbounce_capture::pipeline::{ReferenceError, read_comparable, truth_mesh};
 use firstbounce_capture::set::{Projection, Truth};
 use firstbounce_core::Mesh;
 
-use crate::app::base::jobs::{Job, Jobs, Task};
+use crate::app::base::jobs::{Job, JobError, Jobs};
+use crate::app::base::keyed::Keyed;
 use crate::app::state::document::{Document, Poses, ReferenceSource};
 use crate::app::state::results::Meshes;
 use crate::app::state::surfaces::{LayerName, Prepared, thousands};
@@ -28,7 +29,7 @@ pub struct Loaded {
     pub mesh: Arc<Mesh>,
     /// What it is, in words.
     pub words: String,
-    /// What a person should know of it.
+    /// What the user should know of it.
     pub warnings: Vec<String>,
 }
 
@@ -42,37 +43,35 @@ struct LoadKey {
 }
 
 /// What was compared.
-#[derive(Clone)]
-pub struct Basis {
+struct Basis {
     meshes: Arc<Meshes>,
     reference: Arc<Mesh>,
     /// Where the surfaces lay.
     poses: Option<Poses>,
 }
 
-/// What came out of a comparison, and of what.
-pub struct LastComparison {
-    basis: Basis,
-    /// The numbers, or why there are none.
-    pub outcome: Result<Arc<Outcome>, String>,
+impl PartialEq for Basis {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.meshes, &other.meshes)
+            && Arc::ptr_eq(&self.reference, &other.reference)
+            && self.poses == other.poses
+    }
 }
 
-/// What a frame's update found that changes the document or is to be told.
+/// What a frame's update found that changes the document or is to be reported.
 pub enum News {
     /// The surfaces were aligned.
     Aligned(Poses),
     /// Something was not done.
-    Failed(String),
+    Failed(JobError),
 }
 
 /// The reference of the open set.
 #[derive(Default)]
 pub struct Reference {
     key: Option<LoadKey>,
-    loading: Option<Task<Loaded>>,
-    loaded: Option<Result<Arc<Loaded>, String>>,
-    comparing: Option<(Basis, Task<Outcome>)>,
-    compared: Option<LastComparison>,
+    loaded: Keyed<LoadKey, Loaded>,
+    compared: Keyed<Basis, Outcome>,
     heat: Vec<HeatOf>,
     /// Pairs of points that are being picked.
     pub pairs: Option<Pairs>,
@@ -88,34 +87,34 @@ struct HeatOf {
 
 impl Reference {
     /// The reference, or why it could not be read; `None` without one, and while it is being read.
-    pub fn loaded(&self) -> Option<&Result<Arc<Loaded>, String>> {
-        self.loaded.as_ref()
+    pub fn loaded(&self) -> Option<&Result<Arc<Loaded>, JobError>> {
+        Some(self.loaded.last()?.1)
     }
 
     /// Its mesh.
     pub fn mesh(&self) -> Option<Arc<Mesh>> {
-        Some(self.loaded.as_ref()?.as_ref().ok()?.mesh.clone())
+        Some(self.loaded.ready()?.mesh.clone())
     }
 
     /// Whether it is being read.
     pub fn is_loading(&self) -> bool {
-        self.loading.is_some()
+        self.loaded.running().is_some()
     }
 
     /// The comparison that is at work.
     pub fn comparing(&self) -> Option<&Job> {
-        self.comparing.as_ref().map(|(_, task)| task.job())
+        self.compared.running()
     }
 
-    /// The last comparison.
-    pub fn compared(&self) -> Option<&LastComparison> {
-        self.compared.as_ref()
+    /// The last comparison, or why there is none.
+    pub fn compared(&self) -> Option<&Result<Arc<Outcome>, JobError>> {
+        Some(self.compared.last()?.1)
     }
 
     /// Whether the last comparison is of what there is now.
     pub fn is_current(&self, document: &Document, meshes: Option<&Arc<Meshes>>) -> bool {
         let poses = document.settings.reference.as_ref().and_then(|reference| reference.poses);
-        self.compared.as_ref().is_some_and(|LastComparison { basis, .. }| {
+        self.compared.last().is_some_and(|(basis, _)| {
             meshes.is_some_and(|meshes| Arc::ptr_eq(meshes, &basis.meshes))
                 && self.mesh().is_some_and(|mesh| Arc::ptr_eq(&mesh, &basis.reference))
                 && basis.poses == poses
@@ -125,24 +124,21 @@ impl Reference {
     /// Takes what is finished, and reads the reference that the document names. Once a frame.
     pub(in crate::app) fn update(&mut self, document: &Document, jobs: &mut Jobs) -> Vec<News> {
         let mut news = Vec::new();
-        if let Some(outcome) = self.loading.as_ref().and_then(Task::poll) {
-            self.loading = None;
-            if let Err(line) = &outcome {
-                news.push(News::Failed(line.clone()));
-            }
-            self.loaded = Some(outcome.map(Arc::new));
+        if let Some(Err(error)) = self.loaded.poll() {
+            news.push(News::Failed(error.clone()));
         }
         self.take_compared(&mut news);
         let key = LoadKey::of(document);
         if key != self.key {
             // What was of another reference goes with it.
-            if let Some((_, task)) = &self.comparing {
-                task.job().cancel();
+            if let Some(job) = self.comparing() {
+                job.cancel();
             }
             *self = Self { key: key.clone(), ..Self::default() };
             if let Some(key) = key {
                 let set = document.set.clone();
-                self.loading = Some(jobs.start("Read the reference", move |_| load(&key, &set)));
+                let of = key.clone();
+                self.loaded.start(key, jobs.start("Read the reference", move |_| load(&of, &set)));
             }
         }
         news
@@ -154,7 +150,7 @@ impl Reference {
         layer: LayerName,
         prepared: &Arc<Prepared>,
     ) -> Option<(Shared<Vec<f32>>, f64)> {
-        let LastComparison { basis, outcome } = self.compared.as_ref()?;
+        let (basis, outcome) = self.compared.last()?;
         let outcome = outcome.as_ref().ok()?;
         let of = outcome.of(layer)?;
         let is_result = |mesh: &Arc<Mesh>| Arc::ptr_eq(mesh, &prepared.source);
@@ -184,13 +180,12 @@ impl LoadKey {
     }
 }
 
-fn load(key: &LoadKey, set: &CaptureSet) -> Result<Loaded, String> {
-    let line = |error: &dyn std::fmt::Display| error.to_string().replace('\n', " ");
+fn load(key: &LoadKey, set: &CaptureSet) -> Result<Loaded, ReferenceError> {
     let (name, (mesh, warnings)) = match &key.source {
-        ReferenceSource::Truth => ("the set's own truth".into(), (truth_mesh(set).map_err(|e| line(&e))?, Vec::new())),
+        ReferenceSource::Truth => ("the set's own truth".into(), (truth_mesh(set)?, Vec::new())),
         ReferenceSource::File(path) => {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-            (name, read_comparable(path, key.unit).map_err(|error| line(&error))?)
+            (name, read_comparable(path, key.unit)?)
         }
     };
     let size = mesh.bounds().map(|(low, high)| high - low).unwrap_or_default();

@@ -8,7 +8,7 @@ use super::{How, News, Pairs};
 use crate::app::state::document::{ReferenceSettings, ReferenceSource};
 use crate::app::state::layout::Shown;
 use crate::app::state::session::Session;
-use crate::app::state::surfaces::Shade;
+use crate::app::state::surfaces::{LayerName, Shade};
 
 impl Session {
     /// Takes what the reference's work has found. Once a frame.
@@ -16,7 +16,7 @@ impl Session {
         let document = self.document();
         for news in self.reference.update(&document, &mut self.jobs) {
             match news {
-                News::Failed(line) => self.error(line),
+                News::Failed(error) => self.error(error.to_string()),
                 News::Aligned(poses) => {
                     self.edit("Align with the reference", |document| {
                         if let Some(reference) = &mut document.settings.reference {
@@ -41,8 +41,8 @@ impl Session {
         let poses = self.document().settings.reference.as_ref().and_then(|reference| reference.poses);
         // The last good surface may be of another beta.
         let meshes = self.results.current_meshes(&self.document());
-        if let Err(line) = self.reference.compare(how, poses, meshes, &mut self.jobs) {
-            self.error(line);
+        if let Err(error) = self.reference.compare(how, poses, meshes, &mut self.jobs) {
+            self.error(error.to_string());
         }
     }
 
@@ -71,7 +71,7 @@ impl Session {
         self.views.open(Shown::Surface);
         if let Some(view) = self.views.active_mut() {
             view.surface.shade = Shade::Distance;
-            view.surface.reference.visible = false;
+            view.surface.layer_mut(LayerName::Reference).visible = false;
         }
     }
 

@@ -1,11 +1,11 @@
-//! Points that a person picks on the surface and on the reference, one after the other, for a rough alignment.
+//! Pairs of points that the user picks on the surface and on the reference, one after the other, for a rough alignment.
 
 use nalgebra::Point3;
 
 use crate::app::state::surfaces::LayerName;
 
 /// Three pairs fix a position.
-pub const FEWEST_PAIRS: usize = 3;
+pub const MIN_PAIRS: usize = 3;
 
 /// The points so far.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,7 +53,7 @@ impl Pairs {
 
     /// Whether there are enough.
     pub fn is_enough(&self) -> bool {
-        self.on_reference.len() >= FEWEST_PAIRS
+        self.on_reference.len() >= MIN_PAIRS
     }
 
     /// What to do next.
@@ -64,7 +64,7 @@ impl Pairs {
             _ if self.is_enough() => {
                 format!("{} pairs are picked: align in Shape, or click a further place.", number - 1)
             }
-            _ => format!("Point {number} of {FEWEST_PAIRS}: click a place on the surface that the reference has too."),
+            _ => format!("Point {number} of {MIN_PAIRS}: click a place on the surface that the reference has too."),
         }
     }
 }

@@ -272,7 +272,7 @@ impl Results {
         self.keys.take();
     }
 
-    /// Takes what is finished and starts what is stale. Once a frame; `log` is told of every stage that ended.
+    /// Takes what is finished and starts what is stale. Once a frame; `log` takes a line of every stage that failed or warns.
     pub fn update(&mut self, document: &Arc<Document>, jobs: &mut Jobs, log: &mut dyn FnMut(Level, String)) -> Next {
         self.take_finished(log);
         let keys = self.keys(document);
@@ -308,7 +308,7 @@ impl Results {
         }
         let stage = &self.rows[index].stage;
         if let Some(work) = stage.work(document.clone(), self) {
-            let task = jobs.start(stage.job_name(), move |job| Ok(work(job)));
+            let task = jobs.compute(stage.job_name(), work);
             self.running = Some(Running { index, keys, task, superseded: false });
         }
         Next::Rest
@@ -348,7 +348,7 @@ impl Results {
         let outcome = match outcome {
             _ if cancelled => Err(StageError::Cancelled),
             Ok(outcome) => outcome,
-            Err(line) => Err(StageError::Lost(line)),
+            Err(error) => Err(StageError::Lost(error)),
         };
         let Row { stage, slot } = &mut self.rows[index];
         let result = match outcome {

@@ -1,4 +1,4 @@
-//! Why a stage has no result.
+//! The error of a stage.
 
 use std::sync::Arc;
 
@@ -7,6 +7,7 @@ use firstbounce_capture::set::Problem;
 use thiserror::Error;
 
 use super::Step;
+use crate::app::base::jobs::JobError;
 
 /// Why a stage has no result, in one line that says what to do.
 #[derive(Clone, Debug, Error)]
@@ -31,17 +32,29 @@ pub enum StageError {
         /// Why.
         reason: Box<StageError>,
     },
-    /// beta is not known.
-    #[error("beta is not known: photograph a ball of the object's paint in every colour, or type it in Calibrate")]
+    /// beta is unknown.
+    #[error("beta is unknown: photograph a ball of the object's paint in every colour, or type it in Calibrate")]
     NoBeta,
-    /// alpha of a light is not known.
+    /// alpha of a light is unknown.
     #[error(
-        "alpha of light \"{light}\" is not known: photograph a grey ball under it in every colour, or type it in Calibrate"
+        "alpha of light \"{light}\" is unknown: photograph a grey ball under it in every colour, or type it in Calibrate"
     )]
     NoAlpha {
         /// The light.
         light: String,
     },
+    /// A light that is not in the set.
+    #[error("there is no light \"{light}\"")]
+    NoLight {
+        /// Its name.
+        light: String,
+    },
+    /// The photos are not there yet.
+    #[error("the photos are being read")]
+    Reading,
+    /// A pixel without photos.
+    #[error("the pixel lies outside the object's photos")]
+    Outside,
     /// A method that nothing asked for.
     #[error("tick \"Also solve by {}\" in the Shape step", .method.title())]
     NotAsked {
@@ -52,11 +65,11 @@ pub enum StageError {
     #[error("the step before is not done yet")]
     TooEarly,
     /// The user cancelled.
-    #[error("cancelled; \"Compute again what failed\" (F9) starts it again")]
+    #[error("cancelled; \"Retry\" (F9) starts it again")]
     Cancelled,
     /// The job ended without a word.
     #[error("{0}")]
-    Lost(String),
+    Lost(JobError),
 }
 
 impl From<PipelineError> for StageError {

@@ -1,10 +1,10 @@
-//! What follows from the document at once, without waiting for a stage: alpha, beta and the bounce operator. A typed value
+//! Values that follow from the document at once, without waiting for a stage: alpha, beta and the bounce operator. A typed value
 //! is in force in the frame in which it is typed.
 
 use std::sync::Arc;
 
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{Calibrated, rig_of};
+use firstbounce_capture::pipeline::{Calibrated, PipelineError, rig_of};
 use firstbounce_core::separate::BounceSystem;
 use firstbounce_core::trust;
 
@@ -17,9 +17,9 @@ use crate::app::state::document::Document;
 pub struct Rig {
     /// Names of the lights.
     pub lights: Vec<String>,
-    /// By light, then colour; `None` where nothing tells.
+    /// By light, then colour; `None` where it is unknown.
     pub alpha: Vec<Option<Vec<f64>>>,
-    /// By colour; `None` where nothing tells.
+    /// By colour; `None` where it is unknown.
     pub beta: Option<Vec<f64>>,
     /// The order m.
     pub bounces: usize,
@@ -38,19 +38,18 @@ impl Rig {
     }
 
     /// The bounce operator of a light; an error says what is missing or impossible.
-    pub fn system(&self, light: &str) -> Result<BounceSystem, String> {
+    pub fn system(&self, light: &str) -> Result<BounceSystem, StageError> {
         self.system_of_order(light, self.bounces)
     }
 
     /// The same for another order m.
-    pub fn system_of_order(&self, light: &str, bounces: usize) -> Result<BounceSystem, String> {
-        let missing =
-            || self.missing().map_or_else(|| format!("there is no light \"{light}\""), |missing| missing.to_string());
+    pub fn system_of_order(&self, light: &str, bounces: usize) -> Result<BounceSystem, StageError> {
+        let missing = || self.missing().unwrap_or_else(|| StageError::NoLight { light: light.to_owned() });
         let index = self.lights.iter().position(|name| name == light).ok_or_else(missing)?;
         let (Some(beta), Some(Some(alpha))) = (&self.beta, self.alpha.get(index)) else { return Err(missing()) };
         let even = vec![1.0; beta.len()];
         let sigma = self.sigma.get(index).filter(|sigma| sigma.len() == beta.len()).unwrap_or(&even);
-        BounceSystem::new(alpha, beta, sigma, bounces).map_err(|error| error.to_string())
+        Ok(BounceSystem::new(alpha, beta, sigma, bounces).map_err(PipelineError::from)?)
     }
 }
 
@@ -70,16 +69,16 @@ impl Given {
 impl Results {
     /// What a verdict on this document's separation depends on: as the pipeline takes it, with typed values in force at
     /// once. An error says what is missing.
-    pub fn trust_rig(&self, document: &Document) -> Result<trust::Rig, String> {
+    pub fn trust_rig(&self, document: &Document) -> Result<trust::Rig, StageError> {
         let set = &document.set;
-        let loaded = self.loaded().ok_or("the photos are being read")?;
+        let loaded = self.loaded().ok_or(StageError::Reading)?;
         let nothing = Calibrated::default();
         let calibration = self.calibration_of(set);
         let calibration = calibration
             .as_deref()
             .filter(|calibration| calibration.lights.iter().eq(set.lights.iter().map(|light| &light.name)));
         let calibrated = calibration.map_or(&nothing, |calibration| &*calibration.calibrated);
-        rig_of(set, &loaded.levels, calibrated).map_err(|error| error.to_string())
+        Ok(rig_of(set, &loaded.levels, calibrated)?)
     }
 
     /// What is known of a set's rig beyond what it gives now. While a typed value that was taken back is still in force in

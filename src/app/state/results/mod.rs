@@ -1,4 +1,4 @@
-//! What is computed from the document: stage by stage, off the UI thread, the last good result kept until the new one is
+//! The results of the document: stage by stage, off the UI thread, the last good result kept until the new one is
 //! there.
 
 mod engine;

@@ -1,4 +1,6 @@
-//! How a 3D view shows the surfaces: what a person chose, kept with the arrangement of views.
+//! The look of a 3D view: the user's choices, kept with the layout.
+
+use std::collections::BTreeMap;
 
 use std::ops::RangeInclusive;
 
@@ -20,7 +22,7 @@ pub enum LayerName {
 impl LayerName {
     /// From bounce 1.
     pub const AFTER: Self = Self::Surface(SurfaceName::AFTER);
-    /// From the photos as they are.
+    /// From the photos with all their light.
     pub const BEFORE: Self = Self::Surface(SurfaceName::Before);
 
     /// All, in the order of the list.
@@ -33,7 +35,7 @@ impl LayerName {
     pub fn title(self) -> &'static str {
         match self {
             Self::AFTER => "Bounce 1",
-            Self::Surface(SurfaceName::Before) => "Raw photos",
+            Self::Surface(SurfaceName::Before) => "Before",
             Self::Surface(SurfaceName::After(method)) => method.title(),
             Self::Reference => "Reference",
         }
@@ -43,7 +45,7 @@ impl LayerName {
     pub fn in_sentence(self) -> &'static str {
         match self {
             Self::AFTER => "bounce 1",
-            Self::Surface(SurfaceName::Before) => "raw photos",
+            Self::Surface(SurfaceName::Before) => "before",
             Self::Surface(SurfaceName::After(method)) => method.title(),
             Self::Reference => "reference",
         }
@@ -89,7 +91,7 @@ impl Shade {
     }
 }
 
-/// When layers wear their own colours.
+/// When layers are shown in their own colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LayerColours {
     /// When more than one is seen: alone a surface is plaster.
@@ -112,8 +114,37 @@ pub struct LayerLook {
     pub colour: [u8; 3],
 }
 
-/// How a 3D view shows the surfaces.
+/// The share of each layer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Layers {
+    /// Bounce 1: green, as in the paper's figures.
+    after: LayerLook,
+    /// Before: cyan.
+    before: LayerLook,
+    /// Other methods, until one is changed: violet.
+    nayar: LayerLook,
+    /// Those that were changed.
+    others: BTreeMap<Method, LayerLook>,
+    /// The scan: red.
+    reference: LayerLook,
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        let layer = |visible, colour| LayerLook { visible, shaded: true, colour };
+        Self {
+            after: layer(true, [112, 196, 112]),
+            before: layer(false, [84, 196, 214]),
+            nayar: layer(false, [178, 140, 222]),
+            others: BTreeMap::new(),
+            reference: layer(true, [222, 98, 88]),
+        }
+    }
+}
+
+/// How a 3D view shows the surfaces.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SurfaceLook {
     /// How colours come to the surfaces.
@@ -124,15 +155,10 @@ pub struct SurfaceLook {
     pub distance_mm: Option<f32>,
     /// Whether edges are drawn.
     pub wireframe: bool,
-    /// Bounce 1: green, as in the paper's figures.
-    pub after: LayerLook,
-    /// Raw photos: cyan.
-    pub before: LayerLook,
-    /// Any other method: violet.
-    pub nayar: LayerLook,
-    /// The scan: red.
-    pub reference: LayerLook,
-    /// When the layers wear these colours.
+    /// The share of each layer.
+    #[serde(flatten)]
+    pub layers: Layers,
+    /// When the layers are shown in their own colours.
     pub colours: LayerColours,
     /// How distance shows.
     pub lens: Lens,
@@ -141,26 +167,6 @@ pub struct SurfaceLook {
     /// Whether the object turns by itself.
     #[serde(skip)]
     pub turntable: bool,
-}
-
-impl Default for SurfaceLook {
-    fn default() -> Self {
-        let layer = |visible, colour| LayerLook { visible, shaded: true, colour };
-        Self {
-            shade: Shade::default(),
-            lamp: None,
-            distance_mm: None,
-            wireframe: false,
-            after: layer(true, [112, 196, 112]),
-            before: layer(false, [84, 196, 214]),
-            nayar: layer(false, [178, 140, 222]),
-            reference: layer(true, [222, 98, 88]),
-            colours: LayerColours::default(),
-            lens: Lens::default(),
-            camera: None,
-            turntable: false,
-        }
-    }
 }
 
 impl SurfaceLook {
@@ -179,20 +185,24 @@ impl SurfaceLook {
     /// A layer's share.
     pub fn layer(&self, name: LayerName) -> &LayerLook {
         match name {
-            LayerName::AFTER => &self.after,
-            LayerName::Surface(SurfaceName::Before) => &self.before,
-            LayerName::Surface(SurfaceName::After(_)) => &self.nayar,
-            LayerName::Reference => &self.reference,
+            LayerName::AFTER => &self.layers.after,
+            LayerName::Surface(SurfaceName::Before) => &self.layers.before,
+            LayerName::Surface(SurfaceName::After(method)) => {
+                self.layers.others.get(&method).unwrap_or(&self.layers.nayar)
+            }
+            LayerName::Reference => &self.layers.reference,
         }
     }
 
     /// The same, to be changed.
     pub fn layer_mut(&mut self, name: LayerName) -> &mut LayerLook {
         match name {
-            LayerName::AFTER => &mut self.after,
-            LayerName::Surface(SurfaceName::Before) => &mut self.before,
-            LayerName::Surface(SurfaceName::After(_)) => &mut self.nayar,
-            LayerName::Reference => &mut self.reference,
+            LayerName::AFTER => &mut self.layers.after,
+            LayerName::Surface(SurfaceName::Before) => &mut self.layers.before,
+            LayerName::Surface(SurfaceName::After(method)) => {
+                self.layers.others.entry(method).or_insert(self.layers.nayar)
+            }
+            LayerName::Reference => &mut self.layers.reference,
         }
     }
 
@@ -213,7 +223,22 @@ impl SurfaceLook {
     }
 
     /// Takes the eye to a named side, everything in sight.
-    pub fn stand(&mut self, view: StandardView, bounds: &Bounds, aspect: f64) {
+    pub fn look_from(&mut self, view: StandardView, bounds: &Bounds, aspect: f64) {
         self.camera = Some(Camera::fitted(bounds, view, self.lens, aspect));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layer_keeps_its_place_in_the_settings_of_a_view() {
+        let mut look = SurfaceLook::default();
+        look.layer_mut(LayerName::Reference).visible = false;
+        look.layer_mut(LayerName::Surface(SurfaceName::After(Method::Shape))).colour = [1, 2, 3];
+        let kept = serde_json::to_value(&look).unwrap();
+        assert_eq!(kept["reference"]["visible"], false);
+        assert_eq!(serde_json::from_value::<SurfaceLook>(kept).unwrap(), look);
     }
 }

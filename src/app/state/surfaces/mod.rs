@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use firstbounce_core::Mesh;
 
-use crate::app::base::jobs::Jobs;
+use crate::app::base::jobs::{JobError, Jobs};
 use crate::app::base::keyed::{Keyed, Same};
 
 pub use look::{LayerColours, LayerLook, LayerName, Shade, SurfaceLook};
@@ -45,7 +45,7 @@ impl Surfaces {
     }
 
     /// Why a surface is not there; `None` while it is on its way.
-    pub fn failed(&self, name: LayerName) -> Option<&str> {
+    pub fn failed(&self, name: LayerName) -> Option<&JobError> {
         self.layers.get(&name)?.error()
     }
 

@@ -4,13 +4,19 @@ use std::sync::Arc;
 
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::{Coarse, LengthUnit, Pickable};
+use thiserror::Error;
 
 use crate::gpu::mesh::Geometry;
 
 /// Meshes with more triangles are shown coarser.
-const MOST_TRIANGLES: usize = 1_000_000;
+const MAX_TRIANGLES: usize = 1_000_000;
 /// How many triangles are shown of those.
 const COARSE_TRIANGLES: usize = 500_000;
+
+/// A surface of which nothing can be drawn.
+#[derive(Clone, Copy, Debug, Error)]
+#[error("this surface has no triangles")]
+pub struct NoTriangles;
 
 /// A surface made ready.
 pub struct Prepared {
@@ -26,11 +32,11 @@ pub struct Prepared {
 
 impl Prepared {
     /// Makes a mesh ready; an error for one without triangles.
-    pub fn new(source: Arc<Mesh>) -> Result<Self, String> {
-        Self::with_limit(source, MOST_TRIANGLES, COARSE_TRIANGLES)
+    pub fn new(source: Arc<Mesh>) -> Result<Self, NoTriangles> {
+        Self::with_limit(source, MAX_TRIANGLES, COARSE_TRIANGLES)
     }
 
-    fn with_limit(source: Arc<Mesh>, most: usize, coarse: usize) -> Result<Self, String> {
+    fn with_limit(source: Arc<Mesh>, most: usize, coarse: usize) -> Result<Self, NoTriangles> {
         let full = &*source;
         let coarse = (full.triangles.len() > most).then(|| {
             let coarse = Coarse::of(full, coarse);
@@ -38,7 +44,7 @@ impl Prepared {
             (coarse, mesh)
         });
         let shown = coarse.as_ref().map_or(full, |(_, mesh)| mesh);
-        let geometry = Geometry::new(shown).ok_or("this surface has no triangles")?;
+        let geometry = Geometry::new(shown).ok_or(NoTriangles)?;
         let pickable = Pickable::new(full);
         Ok(Self { geometry: Arc::new(geometry), coarse, pickable, source })
     }
@@ -57,7 +63,7 @@ impl Prepared {
         }
     }
 
-    /// What a person should know of a surface that is shown coarser than it is.
+    /// What the user should know of a surface that is shown coarser than it is.
     pub fn words(&self) -> Option<String> {
         let (_, mesh) = self.coarse.as_ref()?;
         Some(format!(

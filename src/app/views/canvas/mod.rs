@@ -54,7 +54,7 @@ pub struct CanvasState {
     pub view: View,
     /// How the other picture is compared, if there is one.
     pub compare: Compare,
-    /// Where the line between the two stands, 0 at the left of the canvas, 1 at the right.
+    /// Position of the line between the two: 0 at the left of the canvas, 1 at the right.
     pub wipe: f32,
     cursor: Option<(usize, usize)>,
     /// Where the primary button went down, for a drag that is the caller's.

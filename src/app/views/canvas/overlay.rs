@@ -1,4 +1,4 @@
-//! What lies over the picture: the pixel grid and the numbers in the pixels.
+//! The canvas overlay: the pixel grid and the numbers in the pixels.
 
 use eframe::egui::{Align2, Color32, FontId, Painter, Stroke};
 
@@ -39,7 +39,7 @@ pub fn close_up(painter: &Painter, transform: &Transform, source: &Source, displ
     }
 }
 
-/// Black or white, whichever stands out more (contrast ratio of WCAG 2.2).
+/// Black or white, whichever has more contrast (contrast ratio of WCAG 2.2).
 fn ink_on([red, green, blue, _]: [u8; 4]) -> Color32 {
     let linear = |channel: u8| (f32::from(channel) / 255.0).powf(2.2);
     let luminance = 0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue);

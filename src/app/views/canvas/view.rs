@@ -42,7 +42,7 @@ impl View {
         let (centre_px, scale) = match self {
             Self::Fit => ([0.5 * size[0], 0.5 * size[1]], fit),
             Self::OneToOne => ([0.5 * size[0], 0.5 * size[1]], 1.0),
-            Self::At { centre_px, scale } => (centre_px, scale.clamp(least_scale(fit), MAX_SCALE)),
+            Self::At { centre_px, scale } => (centre_px, scale.clamp(min_scale(fit), MAX_SCALE)),
         };
         // Whole physical pixels: at one to one each pixel of the picture is one of the screen.
         let corner = |centre: f32, centre_px: f64| {
@@ -59,7 +59,7 @@ fn fit_scale(rect: Rect, size: [f64; 2], pixels_per_point: f32) -> f32 {
     across.min(down).clamp(f32::MIN_POSITIVE.sqrt(), MAX_SCALE)
 }
 
-fn least_scale(fit: f32) -> f32 {
+fn min_scale(fit: f32) -> f32 {
     (BELOW_FIT * fit).min(1.0)
 }
 
@@ -128,7 +128,7 @@ impl Transform {
 
     /// The view with everything `factor` times larger, `anchor` staying where it is.
     pub fn zoomed(&self, factor: f32, anchor: Pos2) -> View {
-        let scale = (self.placement.scale * factor).clamp(least_scale(self.fit), MAX_SCALE);
+        let scale = (self.placement.scale * factor).clamp(min_scale(self.fit), MAX_SCALE);
         let fixed = self.from_screen(anchor);
         let kept = f64::from(self.placement.scale) / f64::from(scale);
         let centre = [0, 1].map(|axis| fixed[axis] + (self.centre_px[axis] - fixed[axis]) * kept);

@@ -182,7 +182,7 @@ fn decorate(ui: &Ui, response: &Response, state: &ViewState, frame: &Frame, (uni
     }
 }
 
-/// What the colours stand for.
+/// The quantity that the colours show.
 fn quantity(shading: Shading, unit: &str) -> String {
     match shading {
         Shading::Distance(_) => "Distance to the reference, mm".into(),

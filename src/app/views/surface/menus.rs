@@ -12,7 +12,7 @@ use crate::app::state::surfaces::{LayerColours, LayerName, Shade, SurfaceLook};
 use crate::gpu::mesh::{Lens, StandardView};
 
 /// Width over height of a view that was never drawn.
-const USUAL_ASPECT: f64 = 1.5;
+const DEFAULT_ASPECT: f64 = 1.5;
 
 /// A menu that stays open while several things are changed in it.
 fn lasting_menu(ui: &mut Ui, title: impl Into<String>, contents: impl FnOnce(&mut Ui)) {
@@ -32,9 +32,9 @@ pub fn toolbar(ui: &mut Ui, look: &mut SurfaceLook, state: &mut ViewState, docum
     lasting_menu(ui, title, |ui| shading(ui, look, document));
     lasting_menu(ui, "Layers", |ui| layers(ui, look, session));
     for (tool, name, hover) in [
-        (Tool::Point, "Point", "A click tells where a point is"),
-        (Tool::Distance, "Distance", "Two clicks tell how far apart two points are"),
-        (Tool::Section, "Section", "A plane cuts the surfaces; the cut is plotted below"),
+        (Tool::Point, "Point", "Click to read a position"),
+        (Tool::Distance, "Distance", "Click two points to measure the distance between them"),
+        (Tool::Section, "Section", "Cuts the surfaces with a plane and plots the profile below"),
     ] {
         if ui.selectable_label(state.tool == tool, name).on_hover_text(hover).clicked() {
             state.tool = tool;
@@ -60,9 +60,8 @@ fn shading(ui: &mut Ui, look: &mut SurfaceLook, document: &Document) {
         ui.separator();
         let mut own = look.distance_mm.is_some();
         let mut ends = look.distance_mm.unwrap_or(1.0);
-        ui.add(Checkbox::new(&mut own, "Own ends of the colours"))
-            .on_hover_text("Otherwise the distance that 95 % of the surface stay below");
-        let label = ui.label("Distance at the ends");
+        ui.add(Checkbox::new(&mut own, "Custom range")).on_hover_text("Otherwise the 95th percentile of the distances");
+        let label = ui.label("Largest distance shown");
         let field =
             DragValue::new(&mut ends).range(SurfaceLook::DISTANCES_MM).speed(0.01).max_decimals(4).suffix(" mm");
         ui.add_enabled(own, field).labelled_by(label.id);
@@ -94,16 +93,16 @@ fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
         });
     }
     ui.separator();
-    ui.label("Layers wear their colours");
+    ui.label("Show layers in their own colours");
     for (colours, name) in [
-        (LayerColours::Several, "When more than one is seen"),
+        (LayerColours::Several, "When several are visible"),
         (LayerColours::Always, "Always"),
         (LayerColours::Never, "Never"),
     ] {
         ui.radio_value(&mut look.colours, colours, name);
     }
     let own = SurfaceLook::default();
-    if ui.button("The paper's colours").on_hover_text("Bounce 1 green, raw photos cyan, reference red").clicked() {
+    if ui.button("The paper's colours").on_hover_text("Bounce 1 green, before cyan, reference red").clicked() {
         for name in LayerName::all() {
             look.layer_mut(name).colour = own.layer(name).colour;
         }
@@ -114,11 +113,11 @@ fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
 pub fn eye_menu(ui: &mut Ui, look: &mut SurfaceLook, state: &ViewState, session: &Session) {
     for view in StandardView::ALL {
         if ui.button(format!("{} view", view.name())).clicked() {
-            stand(look, state, view, session);
+            look_from(look, state, view, session);
             ui.close();
         }
     }
-    if ui.button("Show all of it").clicked() {
+    if ui.button("Fit to view").clicked() {
         look.camera = None;
         ui.close();
     }
@@ -129,8 +128,8 @@ pub fn eye_menu(ui: &mut Ui, look: &mut SurfaceLook, state: &ViewState, session:
 }
 
 /// Takes the eye of a view to a named side.
-pub fn stand(look: &mut SurfaceLook, state: &ViewState, from: StandardView, session: &Session) {
+pub fn look_from(look: &mut SurfaceLook, state: &ViewState, from: StandardView, session: &Session) {
     if let Some(bounds) = bounds(&seen(look, session, false)) {
-        look.stand(from, &bounds, if state.aspect > 0.0 { state.aspect } else { USUAL_ASPECT });
+        look.look_from(from, &bounds, if state.aspect > 0.0 { state.aspect } else { DEFAULT_ASPECT });
     }
 }

@@ -10,6 +10,6 @@ mod profile;
 mod scene;
 mod tool;
 
-pub use menus::{eye_menu, stand, toolbar};
+pub use menus::{eye_menu, look_from, toolbar};
 pub use pane::ui;
 pub use tool::{Cut, Picked, Tool, ViewState};

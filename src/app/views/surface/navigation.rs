@@ -17,7 +17,7 @@ const KEY_ZOOM: f64 = 0.8;
 const WHEEL_TRAVEL: f32 = 240.0;
 /// The keys, for those who cannot see them in use.
 pub const KEYS: &str = "Arrow keys turn the object, with Shift they move it, plus and minus go nearer and farther, 0 shows all \
-                        of it. Enter picks the point in the middle. Holding B shows the surface from the raw photos instead.";
+                        of it. Enter picks the point in the middle. Holding B shows the surface before instead.";
 
 /// What the eye does after what the user did in this frame.
 pub enum Moved {
@@ -34,7 +34,7 @@ pub fn in_view(rect: Rect, point: Pos2) -> [f64; 2] {
     [f64::from(point.x - rect.left()), f64::from(point.y - rect.top())]
 }
 
-/// Takes the eye where the user wants it. `hit` tells which point of the surface is seen at a place of the view.
+/// Takes the eye where the user wants it. `hit` finds which point of the surface is seen at a place of the view.
 pub fn navigate(
     ui: &Ui,
     response: &Response,

@@ -1,4 +1,4 @@
-//! What is drawn over a 3D view: scale bar, axes, picked points.
+//! The overlay of a 3D view: scale bar, axes, picked points.
 
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
 use nalgebra::Point3;

@@ -92,7 +92,7 @@ fn nothing(look: &SurfaceLook, document: &Document, session: &Session) -> String
         return "every layer is hidden: choose one in Layers".into();
     }
     if let Some(line) = asked.iter().find_map(|name| session.surfaces.failed(*name)) {
-        return line.to_owned();
+        return line.to_string();
     }
     match session.results.state(Step::Mesh, document) {
         StageState::Failed { line } | StageState::Blocked { line } => line,

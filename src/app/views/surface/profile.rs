@@ -116,7 +116,7 @@ pub fn slide(ui: &mut Ui, state: &mut ViewState, bounds: &Bounds) {
     });
 }
 
-/// The plot of the cut; computed anew when the plane or a surface has changed.
+/// The plot of the cut; computed again when the plane or a surface has changed.
 pub fn plot(
     ui: &mut Ui,
     state: &mut ViewState,

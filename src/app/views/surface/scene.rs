@@ -59,7 +59,7 @@ pub fn light(look: &SurfaceLook, document: &Document, results: &Results, heat: O
         Shade::Height => as_asked(Shading::Height(heights(seen))),
         Shade::Lamp => match lamp(look, document, results) {
             Some((_, lamp)) => as_asked(Shading::Lamp(lamp)),
-            None => instead("where the lamps are is not known yet: see Calibrate".into()),
+            None => instead("the directions to the lamps are unknown: see Calibrate".into()),
         },
         Shade::Distance => match heat {
             Some(heat) => as_asked(Shading::Distance(heat.largest_mm)),

@@ -1,4 +1,4 @@
-//! What a click on a surface does: a point, a distance, a cut.
+//! The tools of a 3D view: point, distance, section.
 
 use std::sync::Arc;
 
@@ -11,10 +11,10 @@ use crate::gpu::mesh::{Camera, Kept};
 /// What a click does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
-    /// Tells where the point is.
+    /// Reads the position of a point.
     #[default]
     Point,
-    /// Tells how far apart two points are.
+    /// Measures the distance between two points.
     Distance,
     /// Moves the section plane.
     Section,

@@ -78,7 +78,7 @@ pub enum CommandId {
     ThemeDark,
     ThemeLight,
     CancelJobs,
-    ComputeAgain,
+    Retry,
     Palette,
     Help,
     FrameTimes,
@@ -242,7 +242,7 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::CancelJobs, Menu::Steps, "Cancel all jobs", None, always, |target| {
         target.session.jobs.running().iter().for_each(|job| job.cancel());
     }),
-    plain(CommandId::ComputeAgain, Menu::Steps, "Compute again what failed", alone(Key::F9), open, |target| {
+    plain(CommandId::Retry, Menu::Steps, "Retry", alone(Key::F9), open, |target| {
         target.session.results.retry();
     }),
     plain(CommandId::SplitRight, Menu::View, "Split view right", ctrl(Key::Backslash), open, |t| {
@@ -262,39 +262,43 @@ pub static COMMANDS: &[Command] = &[
         t.session.views.fit_surfaces();
         t.canvases.fit();
     }),
-    plain(CommandId::ViewsOneToOne, Menu::View, "Show pictures one to one", alt(Key::Num0), open, |t| {
+    plain(CommandId::ViewsOneToOne, Menu::View, "Show pictures 1:1", alt(Key::Num0), open, |t| {
         t.canvases.one_to_one();
     }),
     plain(CommandId::ShowSurface, Menu::View, "Surface in 3D", alone(Key::F7), open, |t| {
         t.session.views.open(Shown::Surface)
     }),
-    plain(CommandId::FrontView, Menu::View, "Front view", alt(Key::Num1), in_3d, |t| stand(t, StandardView::Front)),
-    plain(CommandId::BackView, Menu::View, "Back view", alt(Key::Num2), in_3d, |t| stand(t, StandardView::Back)),
-    plain(CommandId::LeftView, Menu::View, "Left view", alt(Key::Num3), in_3d, |t| stand(t, StandardView::Left)),
-    plain(CommandId::RightView, Menu::View, "Right view", alt(Key::Num4), in_3d, |t| stand(t, StandardView::Right)),
-    plain(CommandId::TopView, Menu::View, "Top view", alt(Key::Num5), in_3d, |t| stand(t, StandardView::Top)),
-    plain(CommandId::BottomView, Menu::View, "Bottom view", alt(Key::Num6), in_3d, |t| stand(t, StandardView::Bottom)),
-    plain(CommandId::CornerView, Menu::View, "Corner view", alt(Key::Num7), in_3d, |t| stand(t, StandardView::Corner)),
-    plain(CommandId::Turntable, Menu::View, "Turntable on or off", alt(Key::T), in_3d, |t| {
+    plain(CommandId::FrontView, Menu::View, "Front view", alt(Key::Num1), in_3d, |t| look_from(t, StandardView::Front)),
+    plain(CommandId::BackView, Menu::View, "Back view", alt(Key::Num2), in_3d, |t| look_from(t, StandardView::Back)),
+    plain(CommandId::LeftView, Menu::View, "Left view", alt(Key::Num3), in_3d, |t| look_from(t, StandardView::Left)),
+    plain(CommandId::RightView, Menu::View, "Right view", alt(Key::Num4), in_3d, |t| look_from(t, StandardView::Right)),
+    plain(CommandId::TopView, Menu::View, "Top view", alt(Key::Num5), in_3d, |t| look_from(t, StandardView::Top)),
+    plain(CommandId::BottomView, Menu::View, "Bottom view", alt(Key::Num6), in_3d, |t| {
+        look_from(t, StandardView::Bottom)
+    }),
+    plain(CommandId::CornerView, Menu::View, "Corner view", alt(Key::Num7), in_3d, |t| {
+        look_from(t, StandardView::Corner)
+    }),
+    plain(CommandId::Turntable, Menu::View, "Toggle turntable", alt(Key::T), in_3d, |t| {
         surface(t, |look| look.turntable ^= true);
     }),
-    plain(CommandId::Lens, Menu::View, "Perspective or orthographic", alt(Key::P), in_3d, |t| {
+    plain(CommandId::Lens, Menu::View, "Toggle perspective", alt(Key::P), in_3d, |t| {
         surface(t, SurfaceLook::other_lens);
     }),
-    plain(CommandId::Wireframe, Menu::View, "Wireframe on or off", alt(Key::W), in_3d, |t| {
+    plain(CommandId::Wireframe, Menu::View, "Toggle wireframe", alt(Key::W), in_3d, |t| {
         surface(t, |look| look.wireframe ^= true);
     }),
-    plain(CommandId::ToggleSteps, Menu::View, "Show or hide the steps", ctrl(Key::B), open, |t| t.chrome.steps ^= true),
-    plain(CommandId::ToggleInspector, Menu::View, "Show or hide the inspector", ctrl(Key::I), open, |t| {
-        t.chrome.inspector ^= true;
+    plain(CommandId::ToggleSteps, Menu::View, "Toggle steps", ctrl(Key::B), open, |t| t.chrome.shows.steps ^= true),
+    plain(CommandId::ToggleInspector, Menu::View, "Toggle inspector", ctrl(Key::I), open, |t| {
+        t.chrome.shows.inspector ^= true;
     }),
-    plain(CommandId::ToggleLog, Menu::View, "Show or hide the log", ctrl(Key::L), always, |t| t.chrome.log ^= true),
+    plain(CommandId::ToggleLog, Menu::View, "Toggle log", ctrl(Key::L), always, |t| t.chrome.shows.log ^= true),
     plain(CommandId::ZoomIn, Menu::View, "Larger text and buttons", ctrl(Key::Plus), always, |t| scale_by(t, 1.1)),
     plain(CommandId::ZoomOut, Menu::View, "Smaller text and buttons", ctrl(Key::Minus), always, |t| {
         scale_by(t, 1.0 / 1.1)
     }),
     plain(CommandId::ZoomReset, Menu::View, "Normal text and buttons", None, always, |t| scale_to(t, 1.0)),
-    plain(CommandId::ThemeSystem, Menu::View, "Colours as the system", None, always, |t| theme(t, Theme::System)),
+    plain(CommandId::ThemeSystem, Menu::View, "System colours", None, always, |t| theme(t, Theme::System)),
     plain(CommandId::ThemeDark, Menu::View, "Dark colours", None, always, |t| theme(t, Theme::Dark)),
     plain(CommandId::ThemeLight, Menu::View, "Light colours", None, always, |t| theme(t, Theme::Light)),
     plain(CommandId::Palette, Menu::Help, "Find a command...", ctrl_shift(Key::P), always, |t| t.chrome.palette.open()),
@@ -305,7 +309,7 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::WriteFrameTimes, Menu::Help, "Write frame times to a file", None, always, |t| {
         t.chrome.frame_times.write(t.session);
     }),
-    plain(CommandId::About, Menu::Help, "About Firstbounce", None, always, |t| t.chrome.about ^= true),
+    plain(CommandId::About, Menu::Help, "About Firstbounce", None, always, |t| t.chrome.shows.about ^= true),
     // Only in a build for development: tests take the device away by it.
     #[cfg(debug_assertions)]
     plain(CommandId::LoseDevice, Menu::Help, "Lose the graphics device", None, always, |t| {
@@ -344,11 +348,11 @@ fn surface(target: Target<'_>, change: impl FnOnce(&mut SurfaceLook)) {
     }
 }
 
-fn stand(target: Target<'_>, from: StandardView) {
+fn look_from(target: Target<'_>, from: StandardView) {
     let Some((id, mut look)) = target.session.views.active().map(|view| (view.id, view.surface.clone())) else {
         return;
     };
-    views::surface::stand(&mut look, target.canvases.surface(id), from, target.session);
+    views::surface::look_from(&mut look, target.canvases.surface(id), from, target.session);
     surface(target, |own| *own = look);
 }
 

@@ -13,8 +13,8 @@ use crate::app::state::session::Session;
 use crate::app::widgets::number_field::up_to;
 use crate::app::widgets::part::part;
 
-const MOST_COLOURS: usize = 8;
-const MOST_LAMPS: usize = 32;
+const MAX_COLOURS: usize = 8;
+const MAX_LAMPS: usize = 32;
 /// Of a colour that is added, after that of the one before: far enough apart for little noise.
 const NEXT_ALBEDO: f64 = 0.5;
 
@@ -106,7 +106,7 @@ fn paint(ui: &mut Ui, values: &mut Values) {
     });
     ui.horizontal(|ui| {
         let count = values.albedos.len();
-        ui.add_enabled_ui(count < MOST_COLOURS, |ui| {
+        ui.add_enabled_ui(count < MAX_COLOURS, |ui| {
             if ui.button("Add a colour").clicked() {
                 let last = values.albedos.last().copied().unwrap_or(1.0);
                 values.albedos.push(NEXT_ALBEDO * last);
@@ -119,9 +119,9 @@ fn paint(ui: &mut Ui, values: &mut Values) {
         });
     });
     let words = match values.albedos.len() {
-        1 => "One colour cannot tell bounces apart.".to_owned(),
-        2 => "Two colours tell bounces apart up to order m = 2. c1 is the reference colour.".to_owned(),
-        count => format!("{count} colours tell bounces apart up to order m = {count}. c1 is the reference colour."),
+        1 => "One colour cannot separate bounces.".to_owned(),
+        2 => "Two colours separate bounces up to order m = 2. c1 is the reference colour.".to_owned(),
+        count => format!("{count} colours separate bounces up to order m = {count}. c1 is the reference colour."),
     };
     ui.label(RichText::new(words).small().weak());
 }
@@ -135,7 +135,7 @@ fn lights(ui: &mut Ui, values: &mut Values) {
     });
     let mut count = values.intensities.len();
     rows(ui, "ring", |ui| {
-        if row(ui, "Number of lights", &mut count, (1, MOST_LAMPS), "") {
+        if row(ui, "Number of lights", &mut count, (1, MAX_LAMPS), "") {
             values.resize_ring(count);
         }
         row(ui, "Tilt from the camera's axis", &mut values.tilt_deg, ANY, "\u{b0}");

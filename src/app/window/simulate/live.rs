@@ -1,15 +1,31 @@
-//! What is computed anew off the UI thread whenever its options have changed and settled; the last outcome is shown
+//! Live results: computed again off the UI thread whenever its options have changed and settled; the last outcome is shown
 //! meanwhile.
 
+use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::egui::Context;
+use thiserror::Error as ThisError;
 
-use crate::app::base::jobs::{Job, Jobs, Task};
+use crate::app::base::jobs::{Job, JobError, Jobs, Task};
 
 /// A drag over a number would start work at every step.
 const SETTLE: Duration = Duration::from_millis(300);
+
+/// Why there is no outcome.
+#[derive(Clone, Debug, ThisError)]
+pub enum LiveError {
+    /// The user cancelled.
+    #[error("{name}: cancelled; it comes with the next change")]
+    Cancelled {
+        /// The job.
+        name: String,
+    },
+    /// The work failed.
+    #[error(transparent)]
+    Failed(JobError),
+}
 
 /// The outcome of the options that are wanted, or of those before.
 pub struct Live<O, T> {
@@ -19,7 +35,7 @@ pub struct Live<O, T> {
     /// The options that `outcome` or `task` belong to, or will.
     wanted: Option<Arc<O>>,
     outcome: Option<Arc<T>>,
-    error: Option<String>,
+    error: Option<LiveError>,
     is_stopped: bool,
 }
 
@@ -52,12 +68,12 @@ impl<O: PartialEq + Send + Sync + 'static, T: Send + 'static> Live<O, T> {
     }
 
     /// Takes what is finished, and starts what has settled.
-    pub fn update(
+    pub fn update<E: Error + Send + Sync + 'static>(
         &mut self,
         context: &Context,
         jobs: &mut Jobs,
         name: &str,
-        work: impl FnOnce(&O, &Job) -> Result<T, String> + Send + 'static,
+        work: impl FnOnce(&O, &Job) -> Result<T, E> + Send + 'static,
     ) {
         self.is_stopped = false;
         let polled = self.task.as_ref().and_then(|task| Some((task.poll()?, task.job().is_cancelled())));
@@ -66,10 +82,8 @@ impl<O: PartialEq + Send + Sync + 'static, T: Send + 'static> Live<O, T> {
             self.error = None;
             match outcome {
                 Ok(outcome) => self.outcome = Some(Arc::new(outcome)),
-                Err(_) if is_cancelled => {
-                    self.error = Some(format!("{name}: cancelled; it comes with the next change"))
-                }
-                Err(line) => self.error = Some(line),
+                Err(_) if is_cancelled => self.error = Some(LiveError::Cancelled { name: name.to_owned() }),
+                Err(error) => self.error = Some(LiveError::Failed(error)),
             }
         }
         let Some((options, since)) = &self.waits else { return };
@@ -89,7 +103,7 @@ impl<O: PartialEq + Send + Sync + 'static, T: Send + 'static> Live<O, T> {
         self.waits.is_none() && self.task.is_none()
     }
 
-    /// Whether there will be another outcome without anybody's doing.
+    /// Whether there will be another outcome without a change.
     pub fn is_busy(&self) -> bool {
         !self.is_at_rest() && !self.is_stopped
     }
@@ -100,7 +114,7 @@ impl<O: PartialEq + Send + Sync + 'static, T: Send + 'static> Live<O, T> {
     }
 
     /// Why there is none of what is wanted.
-    pub fn error(&self) -> Option<&str> {
-        self.error.as_deref()
+    pub fn error(&self) -> Option<&LiveError> {
+        self.error.as_ref()
     }
 }

@@ -4,14 +4,33 @@ use std::path::{Path, PathBuf};
 
 use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_lab::simulate::Scene;
+use thiserror::Error;
 
 use super::values::{SceneKind, Values};
-use crate::app::base::jobs::Task;
+use crate::app::base::jobs::JobError;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::session::Session;
 use crate::app::widgets::path_field::PathField;
 
 /// A file, what one unit of it is, and whether its faces are turned round.
 type Wanted = (PathBuf, LengthScale, bool);
+
+/// Why there is no scene of a mesh.
+#[derive(Clone, Debug, Error)]
+pub enum NoScene {
+    /// The file could not be read.
+    #[error(transparent)]
+    Unreadable(#[from] JobError),
+    /// It is not read yet.
+    #[error("{} is being read", path.display())]
+    Reading {
+        /// The file.
+        path: PathBuf,
+    },
+    /// No file was chosen.
+    #[error("choose a mesh file: OBJ, PLY or STL, z toward the camera")]
+    NotChosen,
+}
 
 /// The mesh of the file that was chosen.
 #[derive(Default)]
@@ -20,8 +39,7 @@ pub struct MeshChoice {
     pub field: PathField,
     /// What is read, or was.
     wanted: Option<Wanted>,
-    task: Option<Task<(Scene, Vec<String>)>>,
-    read: Option<Result<(Scene, Vec<String>), String>>,
+    read: Keyed<Wanted, (Scene, Vec<String>)>,
     generation: u64,
 }
 
@@ -30,15 +48,12 @@ impl MeshChoice {
     pub fn choose(&mut self, path: &Path, values: &Values) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.want((path, values.unit, values.flip));
-        // The file may have changed since it was read last.
-        self.task = None;
-        self.read = None;
     }
 
     fn want(&mut self, wanted: Wanted) {
         self.wanted = Some(wanted);
-        self.task = None;
-        self.read = None;
+        // The file may have changed since it was read last.
+        self.read = Keyed::default();
         self.generation += 1;
     }
 
@@ -51,16 +66,13 @@ impl MeshChoice {
         if let Some(now) = now.filter(|now| self.wanted.as_ref() != Some(now)) {
             self.want(now);
         }
-        if let Some(outcome) = self.task.as_ref().and_then(Task::poll) {
-            self.task = None;
-            self.read = Some(outcome);
+        if self.read.poll().is_some() {
             self.generation += 1;
         }
-        if let (Some((path, unit, flip)), None, None) = (self.wanted.clone(), &self.task, &self.read) {
-            self.task =
-                Some(session.jobs.start("Read the mesh", move |_| {
-                    Scene::read(&path, unit, flip).map_err(|error| error.to_string())
-                }));
+        if let Some(wanted) = self.wanted.clone().filter(|wanted| self.read.wants(wanted)) {
+            let (path, unit, flip) = wanted.clone();
+            let task = session.jobs.start("Read the mesh", move |_| Scene::read(&path, unit, flip));
+            self.read.start(wanted, task);
         }
     }
 
@@ -72,20 +84,18 @@ impl MeshChoice {
     /// The scene.
     ///
     /// # Errors
-    /// One line: why there is none yet.
-    pub fn scene(&self) -> Result<Scene, String> {
-        match (&self.read, &self.wanted) {
-            (Some(read), _) => read.clone().map(|(scene, _)| scene),
-            (None, Some((path, ..))) => Err(format!("{} is being read", path.display())),
-            (None, None) => Err("choose a mesh file: OBJ, PLY or STL, z toward the camera".into()),
+    /// Why there is none yet.
+    pub fn scene(&self) -> Result<Scene, NoScene> {
+        match (self.read.last(), &self.wanted) {
+            (Some((_, Ok(read))), _) => Ok(read.0.clone()),
+            (Some((_, Err(error))), _) => Err(NoScene::Unreadable(error.clone())),
+            (None, Some((path, ..))) => Err(NoScene::Reading { path: path.clone() }),
+            (None, None) => Err(NoScene::NotChosen),
         }
     }
 
-    /// What a person should know of the file.
+    /// What the user should know of the file.
     pub fn warnings(&self) -> &[String] {
-        match &self.read {
-            Some(Ok((_, warnings))) => warnings,
-            _ => &[],
-        }
+        self.read.ready().map_or(&[], |read| &read.1)
     }
 }

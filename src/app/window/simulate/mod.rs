@@ -1,4 +1,4 @@
-//! "New simulated set": a shape or mesh is lit and photographed in memory, seen small while a person changes it, judged
+//! "New simulated set": a shape or mesh is lit and photographed in memory, previewed while the user changes it, judged
 //! by the planner, and written as a capture set.
 
 mod form;
@@ -15,7 +15,8 @@ use eframe::egui::{CentralPanel, Context, Panel, ProgressBar, ScrollArea, Ui, Wi
 use firstbounce_lab::simulate::{SimulateOptions, check_folder, simulate, write_simulated};
 
 use crate::app::base::dialogs::Choose;
-use crate::app::base::jobs::Task;
+use crate::app::base::jobs::JobError;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::session::{Open, Session};
 use crate::app::widgets::path_field::PathField;
 use crate::app::widgets::theme;
@@ -23,7 +24,7 @@ use live::Live;
 use mesh::MeshChoice;
 use plan::{PlanFor, Planned};
 use preview::{Preview, Previewer, Shown};
-use values::Values;
+use values::{Values, ValuesError};
 
 /// Of the window, in points; smaller where the program's own window is.
 const SIZE: [f32; 2] = [1060.0, 700.0];
@@ -38,14 +39,14 @@ pub struct NewSet {
     folder: PathField,
     /// The values and the mesh that `options` were made of.
     made_of: Option<(Values, u64)>,
-    options: Option<Result<Arc<SimulateOptions>, String>>,
+    options: Option<Result<Arc<SimulateOptions>, ValuesError>>,
     preview: Live<SimulateOptions, Preview>,
     previewer: Previewer,
     shown: Shown,
     plan: Live<PlanFor, Planned>,
-    making: Option<(PathBuf, Task<()>)>,
+    making: Keyed<PathBuf, ()>,
     /// Why the last set was not made.
-    refused: Option<String>,
+    refused: Option<JobError>,
 }
 
 impl NewSet {
@@ -126,14 +127,13 @@ impl NewSet {
         self.folder.ui(ui, "Folder of the simulated set", Choose::Folder, &dialogs, &mut session.jobs);
         let folder = self.folder.text.trim().to_owned();
         let options = self.options.as_ref().and_then(|options| options.as_ref().ok()).cloned();
-        let can_make = options.is_some() && !folder.is_empty() && self.making.is_none();
+        let can_make = options.is_some() && !folder.is_empty() && self.making.running().is_none();
         ui.horizontal(|ui| {
             let button = ui.add_enabled(can_make, theme::primary(ui.visuals(), "Make this set"));
             if let Some(options) = options.filter(|_| button.clicked()) {
                 self.start(PathBuf::from(&folder), options, session);
             }
-            if let Some((_, task)) = &self.making {
-                let job = task.job();
+            if let Some(job) = self.making.running() {
                 ui.add(ProgressBar::new(job.fraction()).desired_width(220.0).text(job.name()));
                 if ui.button("Cancel the simulation").clicked() {
                     job.cancel();
@@ -148,10 +148,10 @@ impl NewSet {
     }
 
     /// The one line that says why something is not there.
-    fn error(&self) -> Option<&str> {
-        let options = self.options.as_ref().and_then(|options| options.as_ref().err());
-        let line = options.or(self.refused.as_ref());
-        line.map(String::as_str).or(self.preview.error()).or(self.plan.error())
+    fn error(&self) -> Option<String> {
+        let options = self.options.as_ref().and_then(|options| options.as_ref().err()).map(ToString::to_string);
+        let refused = || self.refused.as_ref().map(ToString::to_string);
+        options.or_else(refused).or_else(|| Some(self.preview.error().or(self.plan.error())?.to_string()))
     }
 
     fn start(&mut self, folder: PathBuf, options: Arc<SimulateOptions>, session: &mut Session) {
@@ -159,29 +159,26 @@ impl NewSet {
         let target = folder.clone();
         self.refused = None;
         let task = session.jobs.start("Simulate a set", move |job| {
-            let made = check_folder(&target)
-                .and_then(|()| simulate(&options, job))
-                .and_then(|simulated| write_simulated(&simulated, &target));
-            made.map_err(|error| error.to_string())
+            check_folder(&target)?;
+            write_simulated(&simulate(&options, job)?, &target)
         });
-        self.making = Some((folder, task));
+        self.making.start(folder, task);
     }
 
     fn take_made(&mut self, session: &mut Session) -> Option<Open> {
-        let outcome = self.making.as_ref().and_then(|(_, task)| task.poll())?;
-        let (folder, _) = self.making.take()?;
+        let (folder, outcome) = self.making.take()?;
         match outcome {
-            Ok(()) => {
+            Ok(_) => {
                 session.done(format!("Simulated a set into {}", folder.display()));
                 Some(Open::Set(folder))
             }
             // With the window closed there is another place to say it.
-            Err(line) if !self.is_open => {
-                session.error(line);
+            Err(error) if !self.is_open => {
+                session.error(error.to_string());
                 None
             }
-            Err(line) => {
-                self.refused = Some(line);
+            Err(error) => {
+                self.refused = Some(error);
                 None
             }
         }

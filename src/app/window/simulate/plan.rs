@@ -2,7 +2,7 @@
 
 use eframe::egui::{Color32, RichText, Role, Ui, Vec2b, WidgetInfo};
 use egui_plot::{Line, LineStyle, Plot, Points};
-use firstbounce_lab::simulate::{PlanGrid, SimulateOptions, plan_advice, plan_rig};
+use firstbounce_lab::simulate::{PlanGrid, SimulateError, SimulateOptions, plan_advice, plan_rig};
 use firstbounce_lab::{Plan, PlanPoint};
 
 use super::live::Live;
@@ -43,12 +43,12 @@ impl PlanFor {
 }
 
 /// Plans for the rig of these options.
-pub fn compute(PlanFor { options, bounces }: &PlanFor, job: &Job) -> Result<Planned, String> {
+pub fn compute(PlanFor { options, bounces }: &PlanFor, job: &Job) -> Result<Planned, SimulateError> {
     let mut grid = PlanGrid { bounces: Some(*bounces), ..PlanGrid::default() };
     grid.frames.push(options.sensor.frames);
     grid.frames.sort_unstable();
     grid.frames.dedup();
-    let plan = plan_rig(options, &grid, job).map_err(|error| error.to_string())?;
+    let plan = plan_rig(options, &grid, job)?;
     let advice = plan_advice(&plan, options.sensor.frames);
     Ok(Planned { plan, advice })
 }
@@ -70,7 +70,7 @@ pub fn ui(ui: &mut Ui, live: &Live<PlanFor, Planned>, values: &mut Values) {
     ui.label(words);
     ui.label(
         RichText::new(format!(
-            "Mean error of the normals in degrees, order m = {}; from the photos as they are: {:.2}.",
+            "Mean error of the normals in degrees, order m = {}; before: {:.2}.",
             plan.bounces, plan.raw_deg
         ))
         .small()
@@ -136,7 +136,7 @@ fn parts(ui: &Ui) -> [Part; 3] {
     [
         Part { name: "by noise", colour: visuals.hyperlink_color, degrees: |point| point.noise_deg },
         Part { name: "by later bounces", colour: visuals.warn_fg_color, degrees: |point| point.truncation_deg },
-        Part { name: "by both", colour: theme::good(visuals), degrees: |point| point.error_deg },
+        Part { name: "by both", colour: theme::fine(visuals), degrees: |point| point.error_deg },
     ]
 }
 

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex};
 use eframe::egui::{Color32, ColorImage, Image, RichText, TextureHandle, TextureOptions, Ui, vec2};
 use firstbounce_capture::set::Encoding;
 use firstbounce_core::{Plane, Portion};
-use firstbounce_lab::simulate::{PreparedScene, SimulateOptions, Simulated, prepare, simulate_prepared};
+use firstbounce_lab::simulate::{PreparedScene, SimulateError, SimulateOptions, Simulated, prepare, simulate_prepared};
+use thiserror::Error;
 
 use super::live::Live;
 use crate::app::base::jobs::Job;
@@ -17,7 +18,18 @@ const PATCHES: usize = 400;
 /// Light that bounced more often is too weak to be seen.
 const BOUNCES: usize = 8;
 /// Side of a picture in the window, in points.
-const MOST_POINTS: f32 = 210.0;
+const MAX_POINTS: f32 = 210.0;
+
+/// Why there is no preview.
+#[derive(Debug, Error)]
+pub enum PreviewError {
+    /// The simulation failed.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The set has no photo.
+    #[error("nothing was photographed: choose at least one light and one colour")]
+    NoPhoto,
+}
 
 /// Small pictures, and what is said of them.
 pub struct Preview {
@@ -57,13 +69,12 @@ pub fn small(options: &SimulateOptions) -> SimulateOptions {
 
 impl Previewer {
     /// Simulates the preview.
-    pub fn preview(&self, options: &SimulateOptions, job: &Job) -> Result<Preview, String> {
-        let line = |error: firstbounce_lab::simulate::SimulateError| error.to_string();
+    pub fn preview(&self, options: &SimulateOptions, job: &Job) -> Result<Preview, PreviewError> {
         let kept = self.last.lock().ok().and_then(|last| last.clone());
         let prepared = match kept.filter(|(of, _)| is_same_surface(of, options)) {
             Some((_, prepared)) => prepared,
             None => {
-                let prepared = Arc::new(prepare(options, &Portion { watch: job, from: 0.0, to: 0.5 }).map_err(line)?);
+                let prepared = Arc::new(prepare(options, &Portion { watch: job, from: 0.0, to: 0.5 })?);
                 if let Ok(mut last) = self.last.lock() {
                     *last = Some((options.clone(), prepared.clone()));
                 }
@@ -71,7 +82,7 @@ impl Previewer {
             }
         };
         let simulated = simulate_prepared(&prepared, options, &Portion { watch: job, from: 0.5, to: 1.0 });
-        preview_of(&simulated.map_err(line)?, options)
+        preview_of(&simulated?, options)
     }
 }
 
@@ -79,11 +90,11 @@ fn is_same_surface(a: &SimulateOptions, b: &SimulateOptions) -> bool {
     (a.patches, a.size_px, a.lens) == (b.patches, b.size_px, b.lens) && a.scene == b.scene
 }
 
-fn preview_of(simulated: &Simulated, options: &SimulateOptions) -> Result<Preview, String> {
+fn preview_of(simulated: &Simulated, options: &SimulateOptions) -> Result<Preview, PreviewError> {
     let (Some(photo), Some([direct, later @ ..])) =
         (simulated.photos.first(), simulated.truth.bounces.first().map(Vec::as_slice))
     else {
-        return Err("nothing was photographed".into());
+        return Err(PreviewError::NoPhoto);
     };
     let (black, white) = (options.sensor.black_level, options.sensor.white_level());
     let linear = Plane::from_fn(photo.stored.width(), photo.stored.height(), |x, y| {
@@ -127,7 +138,7 @@ pub fn ui(ui: &mut Ui, live: &Live<SimulateOptions, Preview>, shown: &mut Shown)
         };
         *shown = Shown { of: Some(preview.clone()), textures: preview.pictures.iter().map(load).collect() };
     }
-    let side = ((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0).clamp(40.0, MOST_POINTS);
+    let side = ((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0).clamp(40.0, MAX_POINTS);
     ui.horizontal(|ui| {
         for (name, texture) in &shown.textures {
             ui.vertical(|ui| {

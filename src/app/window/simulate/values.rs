@@ -1,17 +1,18 @@
-//! What a person chooses, and the options it stands for.
+//! The form's values, and the options that they mean.
 
 use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_core::light::scene::Lens;
 use firstbounce_lab::Sensor;
-use firstbounce_lab::simulate::{BallOptions, Exposure, LampOptions, Measures, Scene, SimulateOptions};
+use firstbounce_lab::simulate::{BallOptions, Exposure, LampOptions, Measures, Scene, SimulateError, SimulateOptions};
+use thiserror::Error;
 
-use super::mesh::MeshChoice;
+use super::mesh::{MeshChoice, NoScene};
 
 /// Where a lens is put first: a few times as far as the built-in shapes are wide.
-const USUAL_DISTANCE_MM: f64 = 400.0;
-const USUAL_LAMP_SIDE_MM: f64 = 60.0;
+const DEFAULT_DISTANCE_MM: f64 = 400.0;
+const DEFAULT_LAMP_SIDE_MM: f64 = 60.0;
 /// Of a new ring, as of the options' own.
-const USUAL_TILT_DEG: f64 = 20.0;
+const DEFAULT_TILT_DEG: f64 = 20.0;
 
 /// What is photographed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +30,7 @@ impl SceneKind {
     /// All, in the order of a choice.
     pub const ALL: [Self; 6] = [Self::Corner, Self::Groove, Self::Bowl, Self::Cap, Self::Tray, Self::Mesh];
 
-    /// As a person reads it.
+    /// As the user reads it.
     pub fn title(self) -> &'static str {
         match self {
             Self::Corner => "Corner",
@@ -79,7 +80,7 @@ impl LampKind {
     /// All, in the order of a choice.
     pub const ALL: [Self; 3] = [Self::Distant, Self::Point, Self::Area];
 
-    /// As a person reads it.
+    /// As the user reads it.
     pub fn title(self) -> &'static str {
         match self {
             Self::Distant => "Far away",
@@ -138,12 +139,12 @@ impl Default for Values {
             albedos: options.albedos,
             bounces: 2,
             lamps: LampKind::default(),
-            tilt_deg: USUAL_TILT_DEG,
-            lamp_distance_mm: USUAL_DISTANCE_MM,
-            lamp_side_mm: USUAL_LAMP_SIDE_MM,
+            tilt_deg: DEFAULT_TILT_DEG,
+            lamp_distance_mm: DEFAULT_DISTANCE_MM,
+            lamp_side_mm: DEFAULT_LAMP_SIDE_MM,
             intensities: options.lamps.iter().map(|lamp| lamp.intensity).collect(),
             is_perspective: false,
-            distance_mm: USUAL_DISTANCE_MM,
+            distance_mm: DEFAULT_DISTANCE_MM,
             pixels: options.size_px,
             bits: options.sensor.bits,
             frames: options.sensor.frames,
@@ -156,6 +157,17 @@ impl Default for Values {
         values.take_measures();
         values
     }
+}
+
+/// Why the values are no options yet.
+#[derive(Debug, Error)]
+pub enum ValuesError {
+    /// There is no scene.
+    #[error(transparent)]
+    Scene(#[from] NoScene),
+    /// A value is out of its range.
+    #[error(transparent)]
+    Options(#[from] SimulateError),
 }
 
 impl Values {
@@ -188,13 +200,16 @@ impl Values {
         lamps
     }
 
-    /// The options that this stands for.
+    /// The options that these values mean.
     ///
     /// # Errors
-    /// One line that says what to change.
-    pub fn options(&self, mesh: &MeshChoice) -> Result<SimulateOptions, String> {
+    /// What to change.
+    pub fn options(&self, mesh: &MeshChoice) -> Result<SimulateOptions, ValuesError> {
         let measures = Measures { size_mm: Some(self.size_mm), angle_deg: self.scene.angle().map(|_| self.angle_deg) };
-        let scene = self.scene.built_in(measures).map_or_else(|| mesh.scene(), Ok)?;
+        let scene = match self.scene.built_in(measures) {
+            Some(scene) => scene,
+            None => mesh.scene()?,
+        };
         let sensor = Sensor {
             full_well_electrons: self.full_well,
             read_noise_electrons: self.read_noise,
@@ -219,7 +234,7 @@ impl Values {
             albedos: self.albedos.clone(),
             ..SimulateOptions::default()
         };
-        options.check().map_err(|error| error.to_string())?;
+        options.check()?;
         Ok(options)
     }
 }
@@ -239,7 +254,7 @@ mod tests {
     #[test]
     fn a_mesh_that_was_not_chosen_is_asked_for() {
         let values = Values { scene: SceneKind::Mesh, ..Values::default() };
-        let line = values.options(&MeshChoice::default()).unwrap_err();
+        let line = values.options(&MeshChoice::default()).unwrap_err().to_string();
         assert!(line.contains("choose a mesh file"), "{line}");
     }
 }

@@ -18,7 +18,7 @@ use crate::app::state::results::error::StageError;
 pub struct Meshes {
     /// From bounce 1.
     pub after: Arc<Mesh>,
-    /// From the photos as they are.
+    /// From the photos with all their light.
     pub before: Arc<Mesh>,
 }
 

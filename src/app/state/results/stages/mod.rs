@@ -33,7 +33,7 @@ pub enum Step {
     Calibrate,
     /// Photos to bounces.
     Separate,
-    /// Bounce 1, and the photos as they are, to normals and depth.
+    /// Normals and depth, of bounce 1 and before.
     Shape,
     /// Depth to triangles.
     Mesh,

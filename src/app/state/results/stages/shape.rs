@@ -1,4 +1,4 @@
-//! Bounce 1, and the photos as they are, to normals and depth.
+//! Shape: normals and depth, of bounce 1 and before.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub struct Shapes {
     pub trust: Trust,
     /// From bounce 1.
     pub after: Arc<Shape>,
-    /// From the photos as they are.
+    /// From the photos with all their light.
     pub before: Arc<Shape>,
     /// How far the normals turned; `None` where no pixel has both.
     pub turned: Option<AngularError>,
