@@ -120,7 +120,6 @@ fn outcome(
         };
         let options = DistanceOptions::default();
         compare_meshes(mesh, reference, &registration, &options, (&aligning, &measuring))
-            .map_err(|error| error.to_string())
     };
     let after = one(how, true, &meshes.after, poses.map(|poses| poses.after), 0.0)?;
     // Both come from one camera: where bounce 1 lies, the surface before lies nearly too, and need not be searched for.

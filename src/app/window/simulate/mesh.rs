@@ -96,6 +96,6 @@ impl MeshChoice {
 
     /// What the user should know of the file.
     pub fn warnings(&self) -> &[String] {
-        self.read.ready().map_or(&[], |read| &read.1)
+        self.read.ready().map_or(&[], |read| read.1.as_slice())
     }
 }
