@@ -7,7 +7,7 @@ mod options;
 
 use std::path::{Path, PathBuf};
 
-use firstbounce_core::{NormalMap, Plane};
+use firstbounce_core::NormalMap;
 use indexmap::IndexMap;
 
 use crate::atomic::{OutputFolder, WriteError};

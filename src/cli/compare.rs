@@ -8,7 +8,9 @@ use firstbounce_capture::OutputFolder;
 use firstbounce_capture::mesh_file::{Quality, write_ply};
 use firstbounce_capture::pipeline::{Compared, Registration, compare_meshes, read_comparable};
 use firstbounce_core::Mesh;
-use firstbounce_core::mesh::compare::{AlignOptions, Alignment, Comparison, DistanceOptions, colour_by_distance};
+use firstbounce_core::mesh::compare::{
+    AlignOptions, Alignment, Comparison, DistanceOptions, Iteration, colour_by_distance,
+};
 use nalgebra::Isometry3;
 use serde::Serialize;
 
@@ -78,16 +80,7 @@ struct AlignmentRecord {
     searched: bool,
     condition: f64,
     free_motions: Vec<String>,
-    iterations: Vec<IterationRecord>,
-}
-
-#[derive(Debug, Serialize)]
-struct IterationRecord {
-    level: usize,
-    samples: usize,
-    pairs: usize,
-    rms_mm: f64,
-    overlap: f64,
+    iterations: Vec<Iteration>,
 }
 
 /// Runs the command.
@@ -187,13 +180,6 @@ impl CompareRecord {
 
 impl AlignmentRecord {
     fn of(alignment: &Alignment) -> Self {
-        let iterations = alignment.iterations.iter().map(|step| IterationRecord {
-            level: step.level,
-            samples: step.samples,
-            pairs: step.pairs,
-            rms_mm: step.rms_mm,
-            overlap: step.overlap,
-        });
         Self {
             rms_mm: alignment.rms_mm,
             overlap: alignment.overlap,
@@ -202,7 +188,7 @@ impl AlignmentRecord {
             searched: alignment.searched,
             condition: alignment.condition,
             free_motions: alignment.free.iter().map(ToString::to_string).collect(),
-            iterations: iterations.collect(),
+            iterations: alignment.iterations.clone(),
         }
     }
 }

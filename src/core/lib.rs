@@ -12,10 +12,10 @@
 //! use firstbounce_core::{Mask, Photo, Plane, Unwatched};
 //!
 //! // The paint reflects half as much green light as blue (beta); the green lamp is twice as strong (alpha).
-//! let (alpha, beta) = ([1.0, 2.0], [1.0, 0.5]);
+//! let (alpha, beta) = ([1.0, 2.0], [1.0, 0.5_f64]);
 //! let (direct, indirect) = (0.3, 0.1);
 //! let photos = [0, 1].map(|c| {
-//!     let light: f64 = alpha[c] * (beta[c] * direct + beta[c].powi(2) * indirect);
+//!     let light = alpha[c] * (beta[c] * direct + beta[c].powi(2) * indirect);
 //!     Photo::unmarked(Plane::filled(1, 1, light as f32))
 //! });
 //!

@@ -19,7 +19,7 @@ fn bounces_drawn_from_the_photos_are_those_that_are_saved() {
         for (k, saved) in (1..).zip(&separation.bounces) {
             let drawn = picture(&Shown::Bounce { light: light.name.clone(), k }, &document, results).unwrap();
             for y in (0..saved.height()).step_by(7) {
-                for x in (0..saved.width()).step_by(5).filter(|x| separation.marks.at(x, y) == 0) {
+                for x in (0..saved.width()).step_by(5).filter(|x| separation.marks.at(*x, y) == 0) {
                     let difference = (drawn.source.values_at(x, y)[0] - saved.at(x, y)).abs();
                     assert!(difference < 1e-3, "{} bounce {k} at {x}, {y}: {difference}", light.name);
                 }

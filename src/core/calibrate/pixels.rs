@@ -32,6 +32,7 @@ pub enum PixelUse {
 
 /// Pixels of a ball by what became of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PixelCounts {
     /// [`PixelUse::Used`].
     pub used: usize,

@@ -133,6 +133,7 @@ pub struct Separation {
 
 /// What the separation of one light reports. Means run over the solved pixels.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SeparateReport {
     /// The order m.
     pub bounces: usize,

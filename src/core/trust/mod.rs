@@ -76,6 +76,7 @@ pub struct Rig {
 
 /// How far the bounces of one light can be trusted. Percentages are of the mean bounce 1.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LightTrust {
     /// L_1 .. L_m of the mean light.
     pub bounces: Vec<f64>,
@@ -86,10 +87,12 @@ pub struct LightTrust {
     /// Expected noise of a pixel of bounce 1; infinite, as all percentages, where bounce 1 comes out negative.
     pub noise_percent: f64,
     /// The same once the noise of indirect light is averaged away ([`crate::denoise`]).
+    #[cfg_attr(feature = "serde", serde(rename = "quiet_noise_percent"))]
     pub denoised_noise_percent: f64,
     /// What the intervals of alpha and beta make of bounce 1 (standard deviation).
     pub calibration_percent: f64,
     /// What light of more than m bounces adds to bounce 1 (negative: takes from it); `None` with one colour.
+    #[cfg_attr(feature = "serde", serde(rename = "tail_percent"))]
     pub truncation_percent: Option<f64>,
     /// The share of its light that the object sends back to itself at each bounce, by the mean photos.
     pub return_share: Option<f64>,
@@ -97,10 +100,12 @@ pub struct LightTrust {
 
 /// What the errors do to normals: root mean square angles over the object's pixels, with the noise of its mean light.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NormalTrust {
     /// By noise, bounce 1 as it is separated.
     pub noise_deg: f64,
     /// By noise, once the noise of indirect light is averaged away: what the normals are made from.
+    #[cfg_attr(feature = "serde", serde(rename = "quiet_noise_deg"))]
     pub denoised_noise_deg: f64,
     /// By the intervals of alpha and beta.
     pub calibration_deg: f64,

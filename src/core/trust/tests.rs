@@ -161,11 +161,12 @@ fn noise_in_degrees_is_that_of_photometric_stereo() {
     let direct: Vec<_> = trust.lights.iter().map(|light| plane(light.bounces[0])).collect();
     let noise: Vec<_> =
         trust.lights.iter().map(|light| plane(light.noise_percent / 100.0 * light.bounces[0])).collect();
+    let marks = Marks::filled(1, 1, 0);
     let lights: Vec<_> = (0..3)
         .map(|l| DirectLight {
             direct: &direct[l],
             noise: Some(&noise[l]),
-            marks: &Marks::filled(1, 1, 0),
+            marks: &marks,
             lamp: Lamp::Distant(rig.lights[l].toward.unwrap()),
             intensity: rig.lights[l].toward.unwrap().norm(),
         })

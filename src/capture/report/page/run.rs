@@ -77,16 +77,16 @@ fn trust_section(report: &Report) -> Markup {
         h2 { "Trust" }
         p { "Verdict: " strong { (trust.level) } "." }
         table {
-            tr { th { "Light" } th { "noise of bounce 1, %" } th { "once denoised, %" } th { "calibration, %" } th { "tail, %" } }
+            tr { th { "Light" } th { "noise of bounce 1, %" } th { "once denoised, %" } th { "calibration, %" } th { "truncation, %" } }
             @for (light, words) in &trust.light {
                 tr {
-                    td { (light) } td { (number(words.noise_percent)) } td { (number(words.quiet_noise_percent)) }
-                    td { (number(words.calibration_percent)) } td { (words.tail_percent.map_or("?".into(), number)) }
+                    td { (light) } td { (number(words.noise_percent)) } td { (number(words.denoised_noise_percent)) }
+                    td { (number(words.calibration_percent)) } td { (words.truncation_percent.map_or("?".into(), number)) }
                 }
             }
         }
         @if let Some(normal) = &trust.normal {
-            p { "Expected error of normals: " (number(normal.quiet_noise_deg)) " degrees by noise, "
+            p { "Expected error of normals: " (number(normal.denoised_noise_deg)) " degrees by noise, "
                 (number(normal.calibration_deg)) " by calibration." }
         }
         @if !trust.advice.is_empty() { p { "Better:" } ul { @for line in &trust.advice { li { (line) } } } }

@@ -25,7 +25,7 @@ pub struct CalibrationRecord {
     /// By subject, or for balls in the object's scene by kind.
     pub circle: IndexMap<String, CircleRecord>,
     /// By quantity and light, pixels used and refused by reason.
-    pub pixels: IndexMap<String, PixelRecord>,
+    pub pixels: IndexMap<String, PixelCounts>,
     /// What a person should know.
     pub warnings: Vec<String>,
     #[serde(skip)]
@@ -71,19 +71,6 @@ pub struct CircleRecord {
     pub rim_seen: Option<f64>,
 }
 
-/// Pixels of a ball by what became of them.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs)]
-pub struct PixelRecord {
-    pub used: usize,
-    pub clipped: usize,
-    pub dark: usize,
-    pub near_rim: usize,
-    pub near_terminator: usize,
-    pub highlight: usize,
-    pub outlier: usize,
-}
-
 /// A line of the table that people read.
 #[derive(Clone, Debug)]
 pub struct Row {
@@ -111,7 +98,7 @@ impl CalibrationRecord {
         let direction =
             || lights().zip(&calibrated.direction).filter_map(|(light, known)| Some((light, known.as_ref()?)));
         let rows = rows(set, calibrated);
-        let pixels = rows.iter().filter_map(|(row, counts)| Some((row.quantity.clone(), PixelRecord::of((*counts)?))));
+        let pixels = rows.iter().filter_map(|(row, counts)| Some((row.quantity.clone(), (*counts)?)));
         Self {
             alpha: alpha().map(|(light, known)| (light, known.iter().map(|known| known.value).collect())).collect(),
             beta: beta.iter().map(|known| known.value).collect(),
@@ -141,13 +128,6 @@ impl CalibrationRecord {
     /// The table that people read.
     pub fn rows(&self) -> &[Row] {
         &self.rows
-    }
-}
-
-impl PixelRecord {
-    fn of(counts: PixelCounts) -> Self {
-        let PixelCounts { used, clipped, dark, near_rim, near_terminator, highlight, outlier } = counts;
-        Self { used, clipped, dark, near_rim, near_terminator, highlight, outlier }
     }
 }
 

@@ -8,11 +8,11 @@ mod options;
 mod run;
 mod trust;
 
-pub use calibration::{CalibrationRecord, CircleRecord, IntervalRecord, PixelRecord, Row, SourceRecord};
+pub use calibration::{CalibrationRecord, CircleRecord, IntervalRecord, Row, SourceRecord};
 pub(crate) use export::unit_word;
 pub use export::{DecimationRecord, ExportRecord, MeshFormatRecord};
 pub use inputs::{InputRecord, input_records};
-pub use nayar::{NayarRecord, NayarStepRecord};
+pub use nayar::NayarRecord;
 pub use options::OptionsRecord;
-pub use run::{Conventions, DepthRecord, LightRecord, MeshRecord, Report, SCHEMA, SetRecord, ShapeRecord};
-pub use trust::{LightTrustRecord, NormalTrustRecord, ReasonRecord, TrustRecord};
+pub use run::{Conventions, DepthRecord, MeshRecord, Report, SCHEMA, SetRecord, ShapeRecord};
+pub use trust::{ReasonRecord, TrustRecord};

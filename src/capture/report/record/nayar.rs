@@ -21,22 +21,7 @@ pub struct NayarRecord {
     /// Pixels along a patch.
     pub patch_px: usize,
     /// The pseudo shape, then the shape after each iteration.
-    pub iterations: Vec<NayarStepRecord>,
-}
-
-/// One shape on the way.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct NayarStepRecord {
-    /// How far the iteration turned the normals on the mean, in degrees.
-    pub change_deg: f64,
-    /// Mean absolute albedo.
-    pub mean_albedo: f64,
-    /// Pixels brighter than any paint.
-    pub clamped_pixels: usize,
-    /// The part of the light that was found to be indirect.
-    pub indirect_fraction: f64,
-    /// What the shape does not explain of the photos, relative to their light.
-    pub residual: f64,
+    pub iterations: Vec<ByShapeStep>,
 }
 
 impl NayarRecord {
@@ -50,19 +35,7 @@ impl NayarRecord {
             white_light_source: nayar.white_light.source.words(),
             patches: report.patches,
             patch_px: report.patch_px,
-            iterations: report.steps.iter().map(NayarStepRecord::of).collect(),
-        }
-    }
-}
-
-impl NayarStepRecord {
-    fn of(step: &ByShapeStep) -> Self {
-        Self {
-            change_deg: step.change_deg,
-            mean_albedo: step.mean_albedo,
-            clamped_pixels: step.clamped_pixels,
-            indirect_fraction: step.indirect_fraction,
-            residual: step.residual,
+            iterations: report.steps.clone(),
         }
     }
 }

@@ -39,7 +39,7 @@ pub struct Report {
     /// The order m.
     pub bounces: usize,
     /// By light.
-    pub separation: IndexMap<String, LightRecord>,
+    pub separation: IndexMap<String, SeparateReport>,
     /// How far the bounces can be trusted, and why.
     pub trust: TrustRecord,
     /// The surface from bounce 1; absent where there is none.
@@ -75,31 +75,6 @@ pub struct SetRecord {
     pub lights: Vec<String>,
     /// Names of the colours, the reference first.
     pub colours: Vec<String>,
-}
-
-/// The separation of one light.
-#[derive(Clone, Debug, Serialize)]
-pub struct LightRecord {
-    /// Noise of each bounce for unit noise on every photo.
-    pub gain: Vec<f64>,
-    /// Of the matrix beta^k.
-    pub condition_number: f64,
-    /// Mean of each bounce in linear light.
-    pub mean: Vec<f64>,
-    /// Predicted noise of each bounce in linear light.
-    pub noise: Vec<f64>,
-    /// Root mean square of what the bounces leave of the photos; 0 when there are as many bounces as colours.
-    pub residual_rms: f64,
-    /// What noise alone would leave.
-    pub residual_expected: f64,
-    /// Pixels solved.
-    pub solved_pixels: usize,
-    /// Of those, solved without a clipped or dark colour.
-    pub reduced_pixels: usize,
-    /// Pixels left out since clipped.
-    pub unsolved_clipped_pixels: usize,
-    /// Pixels left out since dark.
-    pub unsolved_dark_pixels: usize,
 }
 
 /// A surface.
@@ -226,7 +201,7 @@ impl Report {
             method: method.name(),
             nayar: solved.report.nayar().map(NayarRecord::of),
             bounces,
-            separation: names.zip(solved.separated.reports.iter().map(LightRecord::of)).collect(),
+            separation: names.zip(solved.separated.reports.iter().cloned()).collect(),
             trust,
             conventions: Conventions::of(green, shape.as_ref().map_or("none", |shape| shape.mesh.unit)),
             shape,
@@ -236,25 +211,6 @@ impl Report {
             files,
             warnings,
             stages,
-        }
-    }
-}
-
-impl LightRecord {
-    fn of(report: &SeparateReport) -> Self {
-        let SeparateReport { gain, condition_number, mean, noise, residual_rms, residual_expected, .. } =
-            report.clone();
-        Self {
-            gain,
-            condition_number,
-            mean,
-            noise,
-            residual_rms,
-            residual_expected,
-            solved_pixels: report.solved_pixels,
-            reduced_pixels: report.reduced_pixels,
-            unsolved_clipped_pixels: report.unsolved_clipped_pixels,
-            unsolved_dark_pixels: report.unsolved_dark_pixels,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The verdict on a separation in words and numbers.
 
-use firstbounce_core::trust::{LightTrust, Names, Trust};
+use firstbounce_core::trust::{LightTrust, Names, NormalTrust, Trust};
 use indexmap::IndexMap;
 use serde::Serialize;
 
@@ -16,9 +16,9 @@ pub struct TrustRecord {
     /// What would be better.
     pub advice: Vec<String>,
     /// By light.
-    pub light: IndexMap<String, LightTrustRecord>,
+    pub light: IndexMap<String, LightTrust>,
     /// Absent where the lights do not tell normals.
-    pub normal: Option<NormalTrustRecord>,
+    pub normal: Option<NormalTrust>,
 }
 
 /// One reason.
@@ -28,32 +28,6 @@ pub struct ReasonRecord {
     pub level: &'static str,
     /// One sentence.
     pub words: String,
-}
-
-/// Expected errors of one light's bounce 1, in percent of its mean.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct LightTrustRecord {
-    /// Noise of a pixel.
-    pub noise_percent: f64,
-    /// The same once the noise of indirect light is averaged away.
-    pub quiet_noise_percent: f64,
-    /// By the intervals of alpha and beta.
-    pub calibration_percent: f64,
-    /// By light of more than m bounces; negative where it makes bounce 1 darker.
-    pub tail_percent: Option<f64>,
-    /// The share of its light that the object sends back to itself at each bounce.
-    pub return_share: Option<f64>,
-}
-
-/// Expected errors of normals in degrees.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct NormalTrustRecord {
-    /// By noise, from bounce 1 as it is separated.
-    pub noise_deg: f64,
-    /// By noise, once the noise of indirect light is averaged away.
-    pub quiet_noise_deg: f64,
-    /// By the intervals of alpha and beta.
-    pub calibration_deg: f64,
 }
 
 impl TrustRecord {
@@ -69,29 +43,13 @@ impl TrustRecord {
                 .map(|(level, why)| ReasonRecord { level: level.words(), words: why.words(&names) })
                 .collect(),
             advice: trust.advice.iter().map(|advice| advice.words(&names)).collect(),
-            light: lights.iter().cloned().zip(trust.lights.iter().map(LightTrustRecord::of)).collect(),
-            normal: trust.normal.map(|normal| NormalTrustRecord {
-                noise_deg: normal.noise_deg,
-                quiet_noise_deg: normal.denoised_noise_deg,
-                calibration_deg: normal.calibration_deg,
-            }),
+            light: lights.iter().cloned().zip(trust.lights.iter().cloned()).collect(),
+            normal: trust.normal,
         }
     }
 
     /// The reasons as warnings.
     pub fn warnings(&self) -> impl Iterator<Item = String> + '_ {
         self.reasons.iter().map(|reason| format!("{}: {}", reason.level, reason.words))
-    }
-}
-
-impl LightTrustRecord {
-    fn of(light: &LightTrust) -> Self {
-        Self {
-            noise_percent: light.noise_percent,
-            quiet_noise_percent: light.denoised_noise_percent,
-            calibration_percent: light.calibration_percent,
-            tail_percent: light.truncation_percent,
-            return_share: light.return_share,
-        }
     }
 }

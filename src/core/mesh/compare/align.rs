@@ -42,6 +42,7 @@ const SEARCH_TURNS_DEG: [f64; 4] = [25.0, -25.0, 50.0, -50.0];
 
 /// One step of the alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Iteration {
     /// 0 is the coarsest level.
     pub level: usize,

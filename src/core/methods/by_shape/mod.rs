@@ -139,6 +139,7 @@ pub struct ByShape {
 
 /// One shape on the way: the pseudo shape is number 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ByShapeStep {
     /// Iterations done.
     pub iteration: usize,
