@@ -14,7 +14,7 @@ use super::{Channel, Corrections, Encoding, ImageError, ImageFile, ImageWarning,
 /// How many standard deviations of the noise at no light a pixel must rise above to count as lit.
 const DARK_SIGMAS: f32 = 3.0;
 
-/// How stored values become light: the words of a capture file.
+/// Options of linearisation, named as in a capture file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearOptions {
     /// The channel to take; for grey, the mean of the channels, in linear light.

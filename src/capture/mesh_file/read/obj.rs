@@ -46,7 +46,7 @@ struct Faces {
     all_have_normals: bool,
 }
 
-/// Checks every index of every face against what stands above or below it: tobj computes with them before it checks,
+/// Checks every index of every face against the vertices above or below it: tobj computes with them before it checks,
 /// names no line, and makes up normals that are missing.
 fn check_faces(text: &str) -> Result<Faces, MeshProblem> {
     let mut totals = [0i64; 3];
