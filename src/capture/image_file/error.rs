@@ -1,4 +1,4 @@
-//! What can be wrong with a picture, and what to do about it.
+//! Errors of pictures, each with its remedy.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! The pictures among files and folders that a person points at.
+//! The pictures among files and folders that the user points at.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use super::Format;
 /// Folders within folders that are looked into: a link to a parent must not go on for ever.
 const DEEPEST: usize = 8;
 
-/// The files named, and all pictures in the folders named and in theirs, each once, sorted as people count: 2 before 10.
+/// The files named, and all pictures in the folders named and in theirs, each once, sorted naturally: 2 before 10.
 /// What is hidden, or cannot be read, is left out.
 pub fn pictures_in<P: AsRef<Path>>(paths: &[P]) -> Vec<PathBuf> {
     let mut found = Vec::new();
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_gives_its_pictures_in_the_order_in_which_people_count() {
+    fn a_folder_gives_its_pictures_in_natural_order() {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir_all(folder.path().join("object")).unwrap();
         for name in ["object/10.png", "object/2.PNG", "notes.txt", ".hidden.png", "dark.tiff"] {

@@ -17,7 +17,7 @@ const DARK_SIGMAS: f32 = 3.0;
 /// Floats may store light beyond all measure, whose square would be no number.
 const MAX_LIGHT: f32 = 1e9;
 
-/// How stored values become light: the words of a capture file.
+/// Options of linearisation, named as in a capture file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearOptions {
     /// The channel to take; for grey, the mean of the channels, in linear light.

@@ -58,7 +58,7 @@ pub struct ImageFile {
     pub channels: Vec<(Channel, Plane)>,
     /// The range of the stored values.
     pub stored: StoredRange,
-    /// What a person should know before trusting the values.
+    /// Reasons to take care with the values.
     pub warnings: Vec<ImageWarning>,
 }
 
@@ -87,7 +87,7 @@ impl ImageFile {
     }
 }
 
-/// What a person should know before trusting a file's values.
+/// A reason to take care with a file's values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ImageWarning {
     /// Only 256 levels.
@@ -95,7 +95,7 @@ pub enum ImageWarning {
         /// The file.
         path: PathBuf,
     },
-    /// The format holds sRGB unless somebody took care that it does not.
+    /// The format nearly always holds sRGB.
     ProbablySrgb {
         /// The file.
         path: PathBuf,

@@ -1,4 +1,4 @@
-//! The average of repeats of one picture, and what their differences tell about noise.
+//! The average of repeats of one picture, and the noise that their differences show.
 
 use std::borrow::Borrow;
 use std::path::PathBuf;

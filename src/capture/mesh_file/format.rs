@@ -1,4 +1,4 @@
-//! What a mesh can be written as.
+//! The formats that meshes are written in.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ pub enum Axes {
 }
 
 impl Axes {
-    /// For a person and for the header of a file.
+    /// For the user and for the header of a file.
     pub fn words(self) -> &'static str {
         match self {
             Self::YUp => "x right, y up, z toward the camera",

@@ -26,7 +26,7 @@ pub(super) fn stl_into(out: &mut impl Write, mesh: &Mesh, axes: Axes) -> io::Res
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
         let numbers = [normal, a.coords, b.coords, c.coords];
         bytes.extend(numbers.iter().flat_map(|vector| vector.iter()).flat_map(|x| x.to_le_bytes()));
-        // An attribute that nobody reads.
+        // An attribute that is never read.
         bytes.extend([0; 2]);
         Ok(())
     })

@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh file, and what is merely odd.
+//! Errors and warnings of mesh files.
 
 use std::path::PathBuf;
 

@@ -74,8 +74,8 @@ pub struct MeshFile {
 /// Reads an OBJ, PLY (text or binary) or STL (text or binary) file whose lengths are in `scale`.
 ///
 /// Polygons are split into triangles from their first corner, vertices at one position are joined, colours become
-/// linear, and normals that the file lacks are computed. A file that this program wrote tells its axes, and is turned back
-/// from z up; and that it is in pixels, where nobody gives it a unit other than the default.
+/// linear, and normals that the file lacks are computed. A file that this program wrote states its axes, and is turned back
+/// from z up; and that it is in pixels, unless it is given a unit other than the default.
 ///
 /// # Errors
 /// The file's path with one line that says what is wrong: not readable, none of these formats, cut off, without a

@@ -1,4 +1,4 @@
-//! What this program's own mesh files say of themselves in their headers, where other programs say nothing.
+//! The headers of this program's own mesh files: unit and axes, which other programs do not state.
 
 use super::MeshFormat;
 

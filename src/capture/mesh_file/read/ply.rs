@@ -50,16 +50,16 @@ fn malformed(error: ParseError) -> MeshProblem {
 fn check_room(header: &Header, file_bytes: usize) -> Result<(), MeshProblem> {
     for element in header.elements.values() {
         let types = element.properties.values().map(|property| &property.data_type);
-        let least_bytes: usize = match header.encoding {
+        let min_bytes: usize = match header.encoding {
             // A character and a space or line end for each.
             Encoding::Ascii => types.map(|_| 2).sum(),
-            Encoding::BinaryBigEndian | Encoding::BinaryLittleEndian => types.map(least_size).sum(),
+            Encoding::BinaryBigEndian | Encoding::BinaryLittleEndian => types.map(min_size).sum(),
         };
-        if least_bytes == 0 {
+        if min_bytes == 0 {
             return Err(reason(&format!("element {} has no property", element.name)));
         }
         // The last line of a text may lack its end.
-        let found = (file_bytes + 1) / least_bytes;
+        let found = (file_bytes + 1) / min_bytes;
         if element.count > found {
             let what = format!("elements \"{}\"", element.name);
             return Err(MeshProblem::Truncated { what, promised: element.count as u64, found: found as u64 });
@@ -68,7 +68,7 @@ fn check_room(header: &Header, file_bytes: usize) -> Result<(), MeshProblem> {
     Ok(())
 }
 
-fn least_size(property: &PropertyType) -> usize {
+fn min_size(property: &PropertyType) -> usize {
     match property {
         PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => match scalar {
             ScalarType::Char | ScalarType::UChar => 1,

@@ -1,4 +1,4 @@
-//! Tells mesh files apart by what they contain.
+//! Recognition of mesh files by their content.
 
 use super::MeshProblem;
 

@@ -142,7 +142,7 @@ fn a_mesh_of_our_own_comes_back_in_its_unit_and_its_axes() {
         assert!(file.mesh.area_weighted_normals().iter().zip(&file.mesh.normals).all(|(a, b)| a.dot(b) > 0.5));
         assert_eq!(file.warnings.contains(&MeshWarning::InPixels), unit == LengthUnit::Pixel);
         assert_eq!(file.warnings.contains(&MeshWarning::TurnedBack), axes == Axes::ZUp);
-        // A person who gives it a unit is believed.
+        // A unit that the user gives is believed.
         assert_eq!(read_mesh(&path, LengthScale::Metre).unwrap().mesh.unit, LengthUnit::Millimetre);
     }
     // Words of other programs turn nothing.
