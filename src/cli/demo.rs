@@ -44,7 +44,8 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
 /// Puts the demo set into `folder`, where a person can look at it and change it: what is there already stays. Returns the
 /// folder.
 pub fn unpack(folder: &Path) -> anyhow::Result<&Path> {
-    let rules = OutputRules { guarded: None, is_output: |name| DEMO.get_file(name).is_some() };
+    // The folder of the set is this program's idea, not the user's: a link of its name is not followed.
+    let rules = OutputRules { guarded: folder.parent(), is_output: |name| DEMO.get_file(name).is_some() };
     let output = OutputFolder::stage_with(folder, rules)?;
     let mut pending = vec![&DEMO];
     while let Some(dir) = pending.pop() {

@@ -5,6 +5,9 @@
 mod bad_input;
 mod calibrate;
 mod export;
+#[cfg(unix)]
+mod hostile;
+mod killed;
 mod lab;
 mod nayar;
 mod numbers;

@@ -5,6 +5,8 @@ use tempfile::tempdir;
 
 use super::*;
 
+mod beside;
+
 const SET: &str = "schema = 1\nname = \"Vase\"\n";
 
 fn opened() -> (tempfile::TempDir, Editor) {
