@@ -11,12 +11,13 @@ mod table;
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{RichText, Ui};
-use firstbounce_capture::image_file::{Format, pictures_in};
+use firstbounce_capture::image_file::{Format, MAX_LOOKED_AT, PicturesFound, pictures_in};
 use firstbounce_capture::set::Location;
 
 use super::part::part;
 use super::{Over, Panel};
 use crate::app::dialogs::Choose;
+use crate::app::jobs::{Job, Task};
 use crate::app::path_field::PathField;
 use crate::app::results::{ShotName, StageState, Step};
 use crate::app::session::Session;
@@ -27,6 +28,8 @@ use crate::app::window::advice;
 #[derive(Default)]
 pub struct Captures {
     add: PathField,
+    /// Searches for pictures in what was dropped.
+    searches: Vec<Task<PicturesFound>>,
     incoming: Option<incoming::Incoming>,
     table: table::Table,
     camera: camera::CameraPart,
@@ -36,13 +39,14 @@ pub struct Captures {
 
 impl Panel for Captures {
     fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
+        self.take_found(session);
         let document = session.document();
         if !document.set.shots.is_empty() || session.editor.path().is_file() {
             part(ui, "problems", |ui| problems(ui, session));
         }
         part(ui, "add", |ui| self.add_files(ui, session));
         if document.set.shots.is_empty() {
-            if self.incoming.is_some() {
+            if self.incoming.is_some() || !self.searches.is_empty() {
                 return;
             }
             advice(
@@ -70,9 +74,33 @@ impl Panel for Captures {
 }
 
 impl Captures {
-    /// Files and folders that were dropped on the window, or chosen in a dialog.
+    /// Files and folders that were dropped on the window, or chosen in a dialog: the pictures in them are looked for off this
+    /// thread, for a folder may be a whole disk.
     pub fn dropped(&mut self, paths: Vec<PathBuf>, session: &mut Session) {
-        let (files, others): (Vec<_>, Vec<_>) = pictures_in(&paths).into_iter().partition(|file| may_be_picture(file));
+        let search = move |job: &Job| pictures_in(&paths, job).ok_or_else(|| "the search was cancelled".to_owned());
+        self.searches.push(session.jobs.start("Look for pictures", search));
+    }
+
+    fn take_found(&mut self, session: &mut Session) {
+        let ended: Vec<_> = self.searches.iter().map(Task::poll).collect();
+        let mut is_open = ended.iter().map(Option::is_none);
+        self.searches.retain(|_| is_open.next().unwrap_or_default());
+        for outcome in ended.into_iter().flatten() {
+            match outcome {
+                Ok(found) => self.take(found, session),
+                Err(line) => session.error(line),
+            }
+        }
+    }
+
+    fn take(&mut self, found: PicturesFound, session: &mut Session) {
+        if found.is_cut_off {
+            session.warn(format!(
+                "There are more than {MAX_LOOKED_AT} files and folders in what was dropped; the others were not looked at: \
+                 drop the folder of the photos alone"
+            ));
+        }
+        let (files, others): (Vec<_>, Vec<_>) = found.files.into_iter().partition(|file| may_be_picture(file));
         const READ: &str = "PNG, TIFF, EXR, JPEG, HDR and PFM files are read";
         if files.is_empty() {
             session.warn(format!("There is no picture in what was dropped: {READ}"));

@@ -31,7 +31,7 @@ pub use depth_png::{DepthScale, depth_png};
 pub use error::ImageError;
 pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
-pub use find::pictures_in;
+pub use find::{MAX_LOOKED_AT, PicturesFound, pictures_in};
 pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
 pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};
 pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
