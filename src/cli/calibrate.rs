@@ -7,6 +7,7 @@ use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::write_file;
 use firstbounce_capture::light_file::{CarriedLights, LightFile};
+use firstbounce_capture::open::read_text;
 use firstbounce_capture::pipeline::{Calibrated, Preference, Source, calibrate};
 use firstbounce_capture::report::{CalibrationWords, Row};
 use firstbounce_capture::set::write_calibration;
@@ -72,7 +73,7 @@ fn tell_source(set: &CaptureSet, carried: &CarriedLights, calibrated: &mut Calib
 /// Puts values and circles into the set's file.
 fn write(set: &CaptureSet, calibrated: &Calibrated) -> anyhow::Result<()> {
     let path = set.file_path();
-    let old = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let old = read_text(&path).with_context(|| path.display().to_string())?;
     let circles: Vec<_> = calibrated.circles.iter().map(|ball| ball.sphere).collect();
     let new = write_calibration(&old, &calibrated.values(set), &circles)?;
     Ok(write_file(&path, new.as_bytes())?)

@@ -7,6 +7,8 @@ mod calibrate;
 mod export;
 mod lab;
 mod nayar;
+#[cfg(unix)]
+mod readers;
 mod run;
 mod shared_sets;
 mod solve;

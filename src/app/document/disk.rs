@@ -8,6 +8,7 @@ use std::time::{Duration, SystemTime};
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::{WriteError, write_file};
+use firstbounce_capture::open::read_text;
 use firstbounce_capture::set::update_text;
 use thiserror::Error;
 
@@ -58,7 +59,7 @@ pub(super) struct FileOnDisk {
 impl FileOnDisk {
     /// The file at `path` as it is now, or as something still to be made.
     pub fn of(path: PathBuf) -> Self {
-        let text = fs::read_to_string(&path).ok();
+        let text = read_text(&path).ok();
         Self { path, text }
     }
 
@@ -67,9 +68,13 @@ impl FileOnDisk {
         self.text.is_some()
     }
 
-    /// Whether the file says something else now. A file that is gone is no change: saving makes it again.
+    /// Whether the file says something else now, or something stands in its place that is no text. A file that is gone is no
+    /// change: saving makes it again.
     pub fn changed(&self) -> bool {
-        fs::read_to_string(&self.path).is_ok_and(|text| self.text.as_ref() != Some(&text))
+        match read_text(&self.path) {
+            Ok(text) => self.text.as_ref() != Some(&text),
+            Err(error) => !error.is_not_found(),
+        }
     }
 
     /// Writes the document, keeping comments and layout of the text that was there. With `keep_old` the old text stays
@@ -103,7 +108,7 @@ impl FileOnDisk {
 
 /// What the window keeps beside a set, by its key there; absent where there is none or it cannot be read.
 pub(crate) fn read_view<T: serde::de::DeserializeOwned>(folder: &Path, key: &str) -> Option<T> {
-    let text = fs::read_to_string(folder.join(VIEW_FILE)).ok()?;
+    let text = read_text(&folder.join(VIEW_FILE)).ok()?;
     let mut kept: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&text).ok()?;
     serde_json::from_value(kept.remove(key)?).ok()
 }
@@ -111,7 +116,7 @@ pub(crate) fn read_view<T: serde::de::DeserializeOwned>(folder: &Path, key: &str
 /// Keeps a value beside a set under `key`; other keys stay.
 pub(crate) fn write_view(folder: &Path, key: &str, value: serde_json::Value) -> Result<(), SaveError> {
     let path = folder.join(VIEW_FILE);
-    let old = fs::read_to_string(&path).unwrap_or_default();
+    let old = read_text(&path).unwrap_or_default();
     let mut kept: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&old).unwrap_or_default();
     if kept.insert(key.to_owned(), value.clone()) == Some(value) {
         return Ok(());

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use firstbounce_capture::atomic::write_file;
+use firstbounce_capture::open::{MAX_TEXT_BYTES, open_file, read_text};
 use serde::{Deserialize, Serialize};
 
 use super::{Document, Settings};
@@ -60,10 +61,11 @@ impl Recovery {
     pub fn found(&self) -> Vec<(PathBuf, Recovered)> {
         let folders = fs::read_dir(&self.root).into_iter().flatten().flatten().map(|entry| entry.path());
         let abandoned = |folder: &PathBuf| {
-            *folder != self.folder && File::open(folder.join(LOCK)).is_ok_and(|file| file.try_lock().is_ok())
+            let lock = || open_file(&folder.join(LOCK), MAX_TEXT_BYTES);
+            *folder != self.folder && lock().is_ok_and(|(file, _)| file.try_lock().is_ok())
         };
         let read = |folder: PathBuf| {
-            let text = fs::read_to_string(folder.join(DOCUMENT)).ok()?;
+            let text = read_text(&folder.join(DOCUMENT)).ok()?;
             Some((folder, serde_json::from_str(&text).ok()?))
         };
         folders.filter(abandoned).filter_map(read).collect()

@@ -8,6 +8,7 @@ use firstbounce_core::{Mask, Mesh, NormalMap, Plane};
 
 use super::{PipelineError, camera_of};
 use crate::image_file::{Content, ImageFile, ReadOptions, read_image_as};
+use crate::open::read_text;
 use crate::set::CaptureSet;
 
 /// The true surface of a set: its true depth, where it also has a true normal, joined as the results are.
@@ -34,7 +35,7 @@ pub fn truth_mesh(set: &CaptureSet) -> Result<Mesh, PipelineError> {
 
 /// The light of a white facet that faces the first lamp, as a rendered set was made with; `None` where nothing tells.
 pub(super) fn true_white_light(set: &CaptureSet) -> Option<f64> {
-    let text = std::fs::read_to_string(set.truth_normals().with_file_name("rig.json")).ok()?;
+    let text = read_text(&set.truth_normals().with_file_name("rig.json")).ok()?;
     let rig: serde_json::Value = serde_json::from_str(&text).ok()?;
     rig.get("radiance_to_linear")?.as_f64().filter(|light| *light > 0.0)
 }
