@@ -32,10 +32,10 @@ pub struct CalibrateArgs {
 
 /// Runs the command.
 pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
     let mut set = CaptureSet::open(&args.set.path)?;
     let carried = args.lights_from.as_deref().map(|path| take_lights(&mut set, path)).transpose()?;
     let preference = if carried.is_some() { Preference::BallsUnderGivenLights } else { Preference::Balls };
-    let terminal = Terminal::attend();
     let calibrated = calibrate(&set, preference, &terminal);
     terminal.finish();
     let mut calibrated = calibrated?;

@@ -21,8 +21,8 @@ pub struct EvaluateArgs {
 
 /// Runs the command.
 pub fn run(args: &EvaluateArgs) -> anyhow::Result<()> {
-    let set = CaptureSet::open(&args.set.path)?;
     let terminal = Terminal::attend();
+    let set = CaptureSet::open(&args.set.path)?;
     let evaluation = evaluate(&set, &args.solve.options(), &terminal);
     terminal.finish();
     let evaluation = evaluation?;

@@ -91,9 +91,10 @@ impl MethodArgs {
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     args.method.check()?;
+    let terminal = Terminal::attend();
     let set = CaptureSet::open(&args.set.path)?;
     let folder = args.out.clone().unwrap_or_else(|| default_folder(&set));
-    let report = solve_into(&set, &folder, &args.method.options(), &args.output.options())?;
+    let report = solve_into(&set, &folder, &args.method.options(), &args.output.options(), &terminal)?;
     print_warnings(&report.warnings);
     if args.print.json {
         print_json(&report)?
@@ -113,12 +114,12 @@ pub fn solve_into(
     folder: &Path,
     options: &SolveOptions,
     output_options: &OutputOptions,
+    terminal: &Terminal,
 ) -> anyhow::Result<Report> {
     output_options.check()?;
     let output = OutputFolder::stage(folder)?;
-    let terminal = Terminal::attend();
-    let solved = solve(set, options, &terminal);
-    let report = solved.and_then(|mut solved| write_solved(set, &mut solved, output, output_options, &terminal));
+    let solved = solve(set, options, terminal);
+    let report = solved.and_then(|mut solved| write_solved(set, &mut solved, output, output_options, terminal));
     terminal.finish();
     Ok(report?)
 }

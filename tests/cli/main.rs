@@ -11,5 +11,7 @@ mod nayar;
 mod readers;
 mod run;
 mod shared_sets;
+#[cfg(unix)]
+mod signals;
 mod solve;
 mod tiny_set;
