@@ -9,6 +9,9 @@ use super::Format;
 /// The most files and folders that one search looks at: a shoot has a few thousand, a whole disk millions.
 pub const MAX_LOOKED_AT: usize = 50_000;
 
+/// The most pictures that one search gives.
+pub const MAX_PICTURES: usize = 3_000;
+
 /// The pictures that a search found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PicturesFound {
@@ -16,7 +19,7 @@ pub struct PicturesFound {
     pub files: Vec<PathBuf>,
     /// Files and folders that were looked at.
     pub looked_at: usize,
-    /// Whether there was more to look at than [`MAX_LOOKED_AT`].
+    /// Whether there was more to look at than [`MAX_LOOKED_AT`], or more to give than [`MAX_PICTURES`].
     pub is_cut_off: bool,
 }
 
@@ -59,6 +62,8 @@ impl PicturesFound {
     fn sorted(mut self) -> Self {
         self.files.sort_by_cached_key(|path| natural_key(&path.to_string_lossy()));
         self.files.dedup();
+        self.is_cut_off |= self.files.len() > MAX_PICTURES;
+        self.files.truncate(MAX_PICTURES);
         self
     }
 }
@@ -115,6 +120,14 @@ mod tests {
         let found = pictures_in(&[folder.path()], &Unwatched).unwrap();
         assert_eq!(found.files, [folder.path().join("photo.png"), folder.path().join("same.png")]);
         assert_eq!((found.looked_at, found.is_cut_off), (6, false));
+    }
+
+    #[test]
+    fn of_more_pictures_than_can_be_shown_the_first_are_given() {
+        let files: Vec<_> = (0..=MAX_PICTURES).rev().map(|number| PathBuf::from(format!("{number}.png"))).collect();
+        let found = pictures_in(&files, &Unwatched).unwrap();
+        assert_eq!((found.files.len(), found.is_cut_off), (MAX_PICTURES, true));
+        assert_eq!(found.files[..2], [PathBuf::from("0.png"), PathBuf::from("1.png")]);
     }
 
     #[test]

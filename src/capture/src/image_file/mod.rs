@@ -32,7 +32,7 @@ pub use depth_png::{DepthScale, depth_png};
 pub use error::ImageError;
 pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
-pub use find::{MAX_LOOKED_AT, PicturesFound, pictures_in};
+pub use find::{MAX_LOOKED_AT, MAX_PICTURES, PicturesFound, pictures_in};
 pub use head::{PictureSize, picture_size};
 pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
 pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};
