@@ -8,10 +8,11 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::write_file;
 use firstbounce_capture::light_file::{CarriedLights, LightFile};
 use firstbounce_capture::open::read_text;
-use firstbounce_capture::pipeline::{Calibrated, Preference, Source, calibrate};
+use firstbounce_capture::pipeline::{Calibrated, Preference, Source, Work, calibrate};
 use firstbounce_capture::report::{CalibrationWords, Row};
 use firstbounce_capture::set::write_calibration;
 
+use super::memory::MemoryArgs;
 use super::progress::Terminal;
 use super::table::{row, table};
 use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
@@ -27,6 +28,8 @@ pub struct CalibrateArgs {
     #[arg(long)]
     write: bool,
     #[command(flatten)]
+    memory: MemoryArgs,
+    #[command(flatten)]
     print: PrintArgs,
 }
 
@@ -34,6 +37,7 @@ pub struct CalibrateArgs {
 pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
     let mut set = CaptureSet::open(&args.set.path)?;
+    args.memory.check(&set, Work::Calibrate)?;
     let carried = args.lights_from.as_deref().map(|path| take_lights(&mut set, path)).transpose()?;
     let preference = if carried.is_some() { Preference::BallsUnderGivenLights } else { Preference::Balls };
     let calibrated = calibrate(&set, preference, &terminal);

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use firstbounce_capture::pipeline::{AlbedoScale, Method, OutputOptions, SolveOptions, solve, write_solved};
+use firstbounce_capture::pipeline::{AlbedoScale, Method, OutputOptions, SolveOptions, Work, solve, write_solved};
 use firstbounce_capture::report::{NayarWords, Report};
 use firstbounce_capture::{CaptureSet, OutputFolder};
 use firstbounce_core::indirect::IndirectOptions;
 use firstbounce_core::nayar::NayarOptions;
 
+use super::memory::MemoryArgs;
 use super::output::OutputArgs;
 use super::progress::Terminal;
 use super::table::{row, table};
@@ -28,6 +29,8 @@ pub struct SolveArgs {
     method: MethodArgs,
     #[command(flatten)]
     output: OutputArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     #[command(flatten)]
     print: PrintArgs,
 }
@@ -93,6 +96,7 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     args.method.check()?;
     let terminal = Terminal::attend();
     let set = CaptureSet::open(&args.set.path)?;
+    args.memory.check(&set, Work::Solve)?;
     let folder = args.out.clone().unwrap_or_else(|| default_folder(&set));
     let report = solve_into(&set, &folder, &args.method.options(), &args.output.options(), &terminal)?;
     print_warnings(&report.warnings);

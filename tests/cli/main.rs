@@ -5,7 +5,9 @@
 mod bad_input;
 mod calibrate;
 mod export;
+mod huge_png;
 mod lab;
+mod memory;
 mod nayar;
 #[cfg(unix)]
 mod readers;
