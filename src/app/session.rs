@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use firstbounce_capture::WriteError;
-use firstbounce_capture::set::{Location, Problem};
+use firstbounce_capture::set::{FILE_NAME, Location, Problem};
 
 use super::commands::CommandId;
 use super::dialogs::Dialogs;
@@ -29,6 +29,19 @@ pub enum Open {
     New(PathBuf),
     /// An unsaved document of an earlier run, and the folder that keeps it.
     Recovered(PathBuf, Box<Recovered>),
+}
+
+impl Open {
+    /// The set's folder.
+    fn folder(&self, folders: &Folders) -> PathBuf {
+        let path = match self {
+            Self::Set(path) | Self::New(path) => path,
+            Self::Demo => &folders.demo,
+            Self::Recovered(_, kept) => &kept.path,
+        };
+        let is_file = path.is_file() || path.ends_with(FILE_NAME);
+        path.parent().filter(|_| is_file).unwrap_or(path).to_owned()
+    }
 }
 
 /// An open set and everything around it.
@@ -57,6 +70,8 @@ pub struct Session {
     is_open: bool,
     /// Counts the sets that were opened: panels begin anew with each.
     pub(super) opened: u64,
+    /// Whether it is noted that a set is being opened.
+    is_opening: bool,
     requests: Vec<CommandId>,
     /// The document that recovery knows.
     noted: Arc<Document>,
@@ -84,6 +99,7 @@ impl Session {
             disk: None,
             is_open: false,
             opened: 0,
+            is_opening: false,
             requests: Vec::new(),
             noted: Arc::default(),
             changed_on_disk: false,
@@ -154,6 +170,8 @@ impl Session {
 
     /// Opens a set in place of the one that is open, whose unsaved edits are lost: ask first, by `Chrome::open_set`.
     pub fn open(&mut self, open: Open) {
+        // Noted before anything of it is read: what ends this run is not opened by the next one without asking.
+        self.recovery.note_opening(&open.folder(&self.folders));
         let opened = match &open {
             Open::Set(path) => Editor::open(path).map_err(|error| error.to_string()),
             Open::Demo => self.open_demo(),
@@ -162,7 +180,14 @@ impl Session {
         };
         match opened {
             Ok(editor) => self.take(editor),
-            Err(line) => return self.error(line),
+            Err(line) => {
+                if self.is_opening {
+                    self.recovery.note_opening(&self.document().set.folder);
+                } else {
+                    self.recovery.opened_well();
+                }
+                return self.error(line);
+            }
         }
         if let Open::Recovered(folder, _) = &open {
             // Only what this run keeps may be forgotten there.
@@ -181,6 +206,7 @@ impl Session {
 
     fn take(&mut self, editor: Editor) {
         self.close();
+        self.is_opening = true;
         self.editor = editor;
         self.noted = self.document();
         self.recovery.note(self.editor.is_dirty().then(|| self.noted.clone()));
@@ -206,11 +232,27 @@ impl Session {
         }
     }
 
+    /// What the open set gave was drawn, or the program ends in order: nothing of the set ends the next run.
+    pub(super) fn opened_well(&mut self) {
+        if std::mem::take(&mut self.is_opening) {
+            self.recovery.opened_well();
+        }
+    }
+
     /// Leaves the set for the start screen, and the next run begins there.
     pub fn leave(&mut self) {
         self.close();
+        self.opened_well();
         self.preferences.last_open = None;
         self.remember();
+    }
+
+    /// The next run does not begin with this set by itself; it stays among the recent ones.
+    pub(super) fn forget_last_open(&mut self, folder: &Path) {
+        if self.preferences.last_open.as_deref() == Some(folder) {
+            self.preferences.last_open = None;
+            self.remember();
+        }
     }
 
     /// Leaves the set; its arrangement of views is kept beside it.

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Button, RichText, ScrollArea, Ui};
+use eframe::egui::{Button, RichText, Role, ScrollArea, Ui, WidgetInfo};
 
 use super::commands::CommandId;
 use super::dialogs::Choose;
-use super::document::Recovered;
+use super::document::{LeftOpening, Recovered};
 use super::path_field::PathField;
 use super::session::{Open, Session};
 use super::theme;
@@ -26,6 +26,7 @@ const WIDTH: f32 = 640.0;
 pub struct StartScreen {
     path: PathField,
     recovered: Option<Vec<(PathBuf, Recovered)>>,
+    left_opening: Option<Vec<LeftOpening>>,
 }
 
 impl StartScreen {
@@ -51,6 +52,7 @@ impl StartScreen {
         ui.label("Shape from photos under several lamps, without the light between an object's own walls.");
         ui.add_space(16.0);
         self.offer_recovered(ui, session, open);
+        self.offer_left_opening(ui, session, open);
 
         if ui.add(theme::primary(ui.visuals(), "Open the demo")).clicked() {
             *open = Some(Open::Demo);
@@ -106,6 +108,44 @@ impl StartScreen {
             found.remove(index);
         }
     }
+
+    /// Sets that were open when a run did not end in order: each may have been why.
+    fn offer_left_opening(&mut self, ui: &mut Ui, session: &mut Session, open: &mut Option<Open>) {
+        let left = self.left_opening.get_or_insert_with(|| session.recovery.left_opening());
+        let mut done = None;
+        let mut offered: Vec<&PathBuf> = Vec::new();
+        for LeftOpening { set, .. } in &*left {
+            if offered.contains(&set) {
+                continue;
+            }
+            offered.push(set);
+            let shown = set.display().to_string();
+            ui.group(|ui| {
+                ui.label(format!("The last run did not end well while {shown} was open."));
+                ui.horizontal(|ui| {
+                    if button_for(ui, "Open", &shown) {
+                        *open = Some(Open::Set(set.clone()));
+                        done = Some(set.clone());
+                    }
+                    if button_for(ui, "Not now", &shown) {
+                        done = Some(set.clone());
+                    }
+                });
+            });
+            ui.add_space(8.0);
+        }
+        let Some(set) = done else { return };
+        left.iter().filter(|left| left.set == set).for_each(|left| session.recovery.forget_opening(left));
+        left.retain(|left| left.set != set);
+        session.forget_last_open(&set);
+    }
+}
+
+/// A button whose name says what it acts on; whether it was pressed.
+fn button_for(ui: &mut Ui, text: &str, object: &str) -> bool {
+    let button = ui.button(text);
+    button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{text}: {object}")));
+    button.clicked()
 }
 
 fn recent(ui: &mut Ui, session: &Session, open: &mut Option<Open>) {

@@ -8,6 +8,7 @@ use firstbounce_capture::atomic::{OutputFolder, OutputRules};
 use firstbounce_capture::pipeline::{OutputOptions, SolveOptions};
 use include_dir::{Dir, include_dir};
 
+use super::progress::Terminal;
 use super::solve::{default_place, solve_into, summary};
 use crate::app::{self, Start};
 
@@ -31,8 +32,10 @@ pub struct DemoArgs {
 /// Runs the command.
 pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let folder = args.out.clone().map_or_else(|| default_place("demo"), Ok)?;
+    let terminal = Terminal::attend();
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
-    let report = solve_into(&set, &folder, &SolveOptions::default(), &OutputOptions::default())?;
+    let report = solve_into(&set, &folder, &SolveOptions::default(), &OutputOptions::default(), &terminal)?;
+    drop(terminal);
     print_warnings(&report.warnings);
     if args.print.json {
         return print_json(&report);

@@ -2,8 +2,9 @@
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{Angles, Evaluation, evaluate};
+use firstbounce_capture::pipeline::{Angles, Evaluation, Work, evaluate};
 
+use super::memory::MemoryArgs;
 use super::progress::Terminal;
 use super::solve::MethodArgs;
 use super::table::{row, table};
@@ -16,13 +17,16 @@ pub struct EvaluateArgs {
     #[command(flatten)]
     solve: MethodArgs,
     #[command(flatten)]
+    memory: MemoryArgs,
+    #[command(flatten)]
     print: PrintArgs,
 }
 
 /// Runs the command.
 pub fn run(args: &EvaluateArgs) -> anyhow::Result<()> {
-    let set = CaptureSet::open(&args.set.path)?;
     let terminal = Terminal::attend();
+    let set = CaptureSet::open(&args.set.path)?;
+    args.memory.check(&set, Work::Evaluate)?;
     let evaluation = evaluate(&set, &args.solve.options(), &terminal);
     terminal.finish();
     let evaluation = evaluation?;

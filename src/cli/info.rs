@@ -57,8 +57,8 @@ struct ShotInfo {
 
 /// Runs the command.
 pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
-    let set = CaptureSet::open(&args.set.path)?;
     let terminal = Terminal::attend();
+    let set = CaptureSet::open(&args.set.path)?;
     let exposed = survey(&set, &terminal);
     terminal.finish();
     let shots = set.shots.iter().zip(exposed?).map(|(shot, exposed)| shot_info(&set, shot, exposed));

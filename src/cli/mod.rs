@@ -7,6 +7,7 @@ mod compare;
 mod demo;
 mod evaluate;
 mod info;
+mod memory;
 mod open;
 mod output;
 mod paper;

@@ -51,6 +51,7 @@ struct PlanPointWords {
 
 /// Runs the command.
 pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
     let (options, warnings) = args.scene.options()?;
     let grid = PlanGrid {
         bounces: args.bounces,
@@ -58,7 +59,6 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
         ratios: args.try_ratios.clone(),
         ..PlanGrid::default()
     };
-    let terminal = Terminal::attend();
     let plan = plan_rig(&options, &grid, &terminal.job("plan"));
     terminal.finish();
     let plan = plan?;

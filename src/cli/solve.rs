@@ -7,12 +7,13 @@ use clap::{Args, ValueEnum};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::{WriteError, refuse_links};
 use firstbounce_capture::pipeline::{
-    AlbedoScale, Method, OutputOptions, SolveOptions, solve, stage_results, write_solved,
+    AlbedoScale, Method, OutputOptions, SolveOptions, Work, solve, stage_results, write_solved,
 };
 use firstbounce_capture::report::{NayarWords, Report};
 use firstbounce_core::indirect::IndirectOptions;
 use firstbounce_core::nayar::NayarOptions;
 
+use super::memory::MemoryArgs;
 use super::output::OutputArgs;
 use super::progress::Terminal;
 use super::table::{row, table};
@@ -32,6 +33,8 @@ pub struct SolveArgs {
     method: MethodArgs,
     #[command(flatten)]
     output: OutputArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     #[command(flatten)]
     print: PrintArgs,
 }
@@ -95,9 +98,11 @@ impl MethodArgs {
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     args.method.check()?;
+    let terminal = Terminal::attend();
     let set = CaptureSet::open(&args.set.path)?;
+    args.memory.check(&set, Work::Solve)?;
     let folder = args.out.clone().map_or_else(|| default_folder(&set), Ok)?;
-    let report = solve_into(&set, &folder, &args.method.options(), &args.output.options())?;
+    let report = solve_into(&set, &folder, &args.method.options(), &args.output.options(), &terminal)?;
     print_warnings(&report.warnings);
     if args.print.json {
         print_json(&report)?
@@ -117,12 +122,12 @@ pub fn solve_into(
     folder: &Path,
     options: &SolveOptions,
     output_options: &OutputOptions,
+    terminal: &Terminal,
 ) -> anyhow::Result<Report> {
     output_options.check()?;
     let output = stage_results(set, folder)?;
-    let terminal = Terminal::attend();
-    let solved = solve(set, options, &terminal);
-    let report = solved.and_then(|mut solved| write_solved(set, &mut solved, output, output_options, &terminal));
+    let solved = solve(set, options, terminal);
+    let report = solved.and_then(|mut solved| write_solved(set, &mut solved, output, output_options, terminal));
     terminal.finish();
     Ok(report?)
 }

@@ -7,11 +7,17 @@ mod calibrate;
 mod export;
 #[cfg(unix)]
 mod hostile;
+mod huge_png;
 mod killed;
 mod lab;
+mod memory;
 mod nayar;
 mod numbers;
+#[cfg(unix)]
+mod readers;
 mod run;
 mod shared_sets;
+#[cfg(unix)]
+mod signals;
 mod solve;
 mod tiny_set;

@@ -2,6 +2,7 @@
 
 mod disk;
 mod editor;
+mod opening;
 mod recovery;
 mod reference;
 mod settings;
@@ -13,6 +14,7 @@ use firstbounce_capture::CaptureSet;
 pub use disk::{DiskWatch, SaveError, VIEW_FILE, relocated};
 pub(crate) use disk::{kept_view, read_view, write_view};
 pub use editor::Editor;
+pub use opening::LeftOpening;
 pub use recovery::{Recovered, Recovery, save_everything_now};
 pub use reference::{Pose, Poses, ReferenceSettings, ReferenceSource};
 pub use settings::{NayarSettings, Settings, ShapeSettings};

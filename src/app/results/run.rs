@@ -4,8 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
-    BallPhotos, Calibrated, Direct, ObjectLevels, ObjectPhotos, PipelineError, Preference, Separated, calibrate_on,
-    camera_of, judge, load_object, load_subject, quiet_lights, raw_lights, recover, separate_lights, triangulate,
+    BallPhotos, Calibrated, Direct, MemoryOptions, ObjectLevels, ObjectPhotos, PipelineError, Preference, Separated,
+    Work, calibrate_on, camera_of, check_memory, judge, load_object, load_subject, quiet_lights, raw_lights, recover,
+    separate_lights, triangulate,
 };
 use firstbounce_capture::set::{Colour, Light, Shot, Subject};
 use firstbounce_core::mesh::MeshOptions;
@@ -68,6 +69,7 @@ pub struct Shapes {
 }
 
 pub fn load(set: &CaptureSet, job: &Job) -> Result<Loaded, String> {
+    check_memory(set, Work::Window, &MemoryOptions::default()).map_err(|shortage| line(shortage.into()))?;
     let right = set.check().is_empty();
     let object = if right { load_object(set, job).map_err(line) } else { Err("the set has errors".into()) };
     let mut warnings = object.as_ref().map(|object| object.warnings.clone()).unwrap_or_default();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui::Ui;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::light_file::LightFile;
-use firstbounce_capture::pipeline::{Preference, calibrate};
+use firstbounce_capture::pipeline::{MemoryOptions, Preference, Work, calibrate, check_memory};
 use firstbounce_capture::set::Calibration;
 
 use crate::app::dialogs::Choose;
@@ -44,6 +44,8 @@ impl OtherRig {
         if let Some(path) = chosen.into_iter().next().or(pressed.then(|| typed.into())) {
             self.reading = Some(session.jobs.start("Calibrate the other set", move |job| {
                 let set = CaptureSet::open(path).map_err(|error| error.to_string())?;
+                check_memory(&set, Work::Calibrate, &MemoryOptions::default())
+                    .map_err(|shortage| shortage.to_string())?;
                 let calibrated = calibrate(&set, Preference::File, job).map_err(|error| error.to_string())?;
                 let values = calibrated.values(&set);
                 Ok((set, values))

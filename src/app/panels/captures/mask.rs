@@ -12,6 +12,7 @@ use firstbounce_core::Mask;
 use firstbounce_core::mask::Combine;
 
 use crate::app::dialogs::Choose;
+use crate::app::jobs::Task;
 use crate::app::panels::Over;
 use crate::app::path_field::PathField;
 use crate::app::results::ShotName;
@@ -40,6 +41,8 @@ enum Tool {
 /// The mask part of the panel.
 pub struct MaskPart {
     path: PathField,
+    /// The mask that was chosen, while it is read.
+    reading: Option<Task<PathBuf>>,
     draft: Option<Draft>,
     tool: Tool,
     combine: Combine,
@@ -60,6 +63,7 @@ impl Default for MaskPart {
     fn default() -> Self {
         Self {
             path: PathField::default(),
+            reading: None,
             draft: None,
             tool: Tool::None,
             combine: Combine::Add,
@@ -84,9 +88,19 @@ impl MaskPart {
         let dialogs = session.dialogs();
         let chosen = self.path.ui(ui, "Mask file", Choose::Pictures, &dialogs, &mut session.jobs);
         if let Some(path) = chosen.into_iter().next() {
-            match read_mask(&document.set.resolve(&path.to_string_lossy())) {
-                Ok(_) => session.edit("Choose mask", |document| document.set.mask = Some(document.set.written(&path))),
-                Err(error) => session.error(error.to_string()),
+            let picture = document.set.resolve(&path.to_string_lossy());
+            self.reading =
+                Some(session.jobs.start("Read the mask", move |_| {
+                    read_mask(&picture).map(|_| path).map_err(|error| error.to_string())
+                }));
+        }
+        if let Some(read) = self.reading.as_ref().and_then(Task::poll) {
+            self.reading = None;
+            match read {
+                Ok(path) => {
+                    session.edit("Choose mask", |document| document.set.mask = Some(document.set.written(&path)))
+                }
+                Err(line) => session.error(line),
             }
         }
         match &self.draft {

@@ -14,6 +14,7 @@ use firstbounce_core::separate::SeparateError;
 use firstbounce_core::shape::ShapeError;
 use thiserror::Error;
 
+use super::MemoryShortage;
 use crate::atomic::WriteError;
 use crate::image_file::ImageError;
 use crate::mesh_file::MeshFileError;
@@ -34,6 +35,9 @@ pub enum PipelineError {
     /// Output.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// Memory.
+    #[error("{0}: close other programs or crop the photos")]
+    Memory(#[from] MemoryShortage),
     /// The set has no light.
     #[error("the set has no light: add a [[light]] and its shots to capture.toml")]
     NoLights,

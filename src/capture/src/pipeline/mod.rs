@@ -7,6 +7,7 @@ mod error;
 mod evaluate;
 mod file_names;
 mod load;
+mod memory;
 mod nayar;
 mod output;
 pub mod simulate;
@@ -25,6 +26,9 @@ pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, NayarErrors, NayarIteration, NormalErrors, evaluate};
 pub use load::{ObjectPhotos, SubjectPhotos, load_object, load_subject};
+pub use memory::{
+    MemoryEstimate, MemoryOptions, MemoryShortage, Work, check_memory, estimate_memory, free_memory_bytes,
+};
 pub use nayar::{AlbedoScale, Beginning, Method, NayarSolved, in_one_colour, simulate_away, white_light};
 pub use output::{OutputOptions, is_result_name, stage_results, write_solved};
 pub use solve::{

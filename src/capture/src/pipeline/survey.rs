@@ -8,6 +8,7 @@ use indexmap::IndexMap;
 use rayon::prelude::*;
 
 use super::load::load_group;
+use super::memory::{check_group, free_memory_bytes};
 use super::{PipelineError, PipelineWatch, Stage};
 use crate::image_file::read_mask;
 use crate::set::{CaptureSet, Shot, Subject};
@@ -57,7 +58,7 @@ pub fn region_of(set: &CaptureSet, shot: &Shot, mask: Option<&Mask>, size: (usiz
 }
 
 /// Looks at every photo, each file once; by shot, in the order of the set. One line says why a photo cannot be read,
-/// and the others are looked at all the same.
+/// and the others are looked at all the same. A photo for which memory lacks is not decoded.
 ///
 /// # Errors
 /// [`PipelineError::Cancelled`] alone.
@@ -68,13 +69,15 @@ pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Vec<Result<
         groups.entry((shot.subject, &shot.files)).or_default().push(index);
     }
     let groups: Vec<_> = groups.into_iter().collect();
+    let available_bytes = free_memory_bytes();
     let done = AtomicUsize::new(0);
     let looked_at = groups.par_iter().map(|((_, files), indices)| {
         if watch.cancelled() {
             return Err(PipelineError::Cancelled);
         }
         let shots: Vec<&Shot> = indices.iter().map(|&index| &set.shots[index]).collect();
-        let outcome = match load_group(set, files, &shots) {
+        let room = check_group(set, files, shots.len(), available_bytes);
+        let outcome = match room.map_err(PipelineError::from).and_then(|()| load_group(set, files, &shots)) {
             Ok(loaded) => loaded
                 .iter()
                 .map(|(shot, linear)| {

@@ -1,6 +1,7 @@
 //! Reads a scan: OBJ, PLY or STL, told apart by what the file contains.
 
 mod clean;
+mod contents;
 mod error;
 mod obj;
 mod own;
@@ -86,15 +87,18 @@ pub fn read_mesh(path: &Path, scale: LengthScale) -> Result<MeshFile, MeshError>
     if path.is_dir() {
         return Err(at_path(MeshProblem::Directory));
     }
-    let bytes =
-        std::fs::read(path).map_err(|source| at_path(MeshProblem::Unreadable { reason: source.to_string() }))?;
+    let bytes = contents::read(path, &extension).map_err(at_path)?;
     mesh_from_bytes(&bytes, &extension, scale).map_err(at_path)
 }
 
 /// Reads a mesh from the contents of a file; `extension` (lower case, no dot) is only compared with what they are.
 fn mesh_from_bytes(bytes: &[u8], extension: &str, scale: LengthScale) -> Result<MeshFile, MeshProblem> {
-    let format = sniff::sniff(bytes, extension)?;
+    let start = &bytes[..bytes.len().min(sniff::START_BYTES)];
+    let format = sniff::sniff(start, bytes.len() as u64, extension)?;
     let raw = match format {
+        MeshFormat::Obj if !sniff::has_obj_line(bytes) => {
+            return Err(MeshProblem::UnknownFormat { looks_like: "a text without any vertex" });
+        }
         MeshFormat::Obj => obj::parse(bytes)?,
         MeshFormat::Ply => ply::parse(bytes)?,
         MeshFormat::StlText => stl::parse_text(bytes)?,

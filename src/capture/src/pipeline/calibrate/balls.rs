@@ -38,11 +38,10 @@ impl BallPhotos {
         preference: Preference,
         watch: &dyn PipelineWatch,
     ) -> Result<(), PipelineError> {
-        for kind in needed(set, preference) {
-            let Some(subject) = subject_with(set, kind).filter(|subject| !self.by_subject.contains_key(subject)) else {
-                continue;
-            };
-            self.put(subject, Arc::new(load_subject(set, subject, watch)?));
+        for subject in needed_subjects(set, preference) {
+            if !self.by_subject.contains_key(&subject) {
+                self.put(subject, Arc::new(load_subject(set, subject, watch)?));
+            }
         }
         Ok(())
     }
@@ -63,6 +62,14 @@ pub(super) fn needed(set: &CaptureSet, preference: Preference) -> Vec<SphereKind
         (direction, SphereKind::Mirror),
     ];
     balls.into_iter().filter(|(needed, _)| *needed).map(|(_, kind)| kind).collect()
+}
+
+/// The subjects whose photos show the balls that have to be looked at, each once.
+pub(in crate::pipeline) fn needed_subjects(set: &CaptureSet, preference: Preference) -> Vec<Subject> {
+    let mut subjects: Vec<_> = needed(set, preference).into_iter().filter_map(|kind| subject_with(set, kind)).collect();
+    subjects.sort_unstable();
+    subjects.dedup();
+    subjects
 }
 
 /// Where a ball is seen: in shots of its own, or in the object's scene; `None` where the set has none.

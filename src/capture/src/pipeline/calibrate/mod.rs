@@ -13,6 +13,7 @@ use super::{PipelineError, PipelineWatch, Stage};
 use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
 
 pub use balls::BallPhotos;
+pub(in crate::pipeline) use balls::needed_subjects;
 pub use verdict::Verdict;
 
 /// Where a value comes from.
