@@ -1,5 +1,6 @@
 //! OpenEXR, by the `exr` crate. Layers are the parts of a file, or prefixes of channel names ("diffuse.R"), or both.
 
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use exr::error::Error as ExrError;
@@ -9,7 +10,8 @@ use exr::prelude::{MetaData, ReadChannels, ReadLayers, read as reader};
 use firstbounce_core::Plane;
 use rayon::prelude::*;
 
-use super::read::{Decoded, Source, read_bytes};
+use super::head::{Head, PictureSize};
+use super::read::{Decoded, Source};
 use super::{Channel, Format, ImageError, StoredRange};
 
 /// The names of the layers of an EXR, in the order of the file; a layer without a name is "".
@@ -17,12 +19,13 @@ use super::{Channel, Format, ImageError, StoredRange};
 /// # Errors
 /// As [`read_image`](super::read_image), and [`ImageError::Unsupported`] for a file of another format.
 pub fn layer_names(path: &Path) -> Result<Vec<String>, ImageError> {
-    let bytes = read_bytes(path)?;
-    let source = Source { path, bytes: &bytes };
-    match source.format()? {
-        Format::Exr => {
-            source.guarded(Format::Exr, || Ok(layers(&headers(&source)?).into_iter().map(|l| l.name).collect()))
-        }
+    let mut head = Head::open(path)?;
+    let bytes = head.bytes()?;
+    let Head { source, format, .. } = head;
+    match format {
+        Format::Exr => source.guarded(Format::Exr, || {
+            Ok(layers(&headers(&source, bytes.as_slice())?).into_iter().map(|l| l.name).collect())
+        }),
         other => Err(source.unsupported(other, "no layers")),
     }
 }
@@ -35,8 +38,23 @@ struct Layer {
     channels: Vec<(String, usize)>,
 }
 
-pub(super) fn read(source: &Source, wanted: Option<&str>) -> Result<Decoded, ImageError> {
-    let headers = headers(source)?;
+/// The pixels of all layers are decoded together.
+pub(super) fn size(source: &Source, file: impl Read) -> Result<PictureSize, ImageError> {
+    let mut samples = 0_usize;
+    let mut size = PictureSize { width: 0, height: 0, channels: 0 };
+    for header in headers(source, file)? {
+        let (width, height) = (header.layer_size.width(), header.layer_size.height());
+        samples = samples.saturating_add(width.saturating_mul(height).saturating_mul(header.channels.list.len()));
+        if width.saturating_mul(height) > size.width.saturating_mul(size.height) {
+            (size.width, size.height) = (width, height);
+        }
+    }
+    size.channels = samples.div_ceil(size.width.saturating_mul(size.height).max(1));
+    Ok(size)
+}
+
+pub(super) fn read(source: &Source, bytes: &[u8], wanted: Option<&str>) -> Result<Decoded, ImageError> {
+    let headers = headers(source, bytes)?;
     let layers = layers(&headers);
     let layer = choose(source, &layers, wanted)?;
     let picked = pick_channels(source, layer)?;
@@ -51,7 +69,7 @@ pub(super) fn read(source: &Source, wanted: Option<&str>) -> Result<Decoded, Ima
         .all_channels()
         .all_layers()
         .all_attributes()
-        .from_buffered(std::io::Cursor::new(source.bytes))
+        .from_buffered(Cursor::new(bytes))
         .map_err(|error| failed(source, error))?;
     let missing = || source.damaged(Format::Exr, "a channel of its header is missing");
     let part = image.layer_data.into_iter().nth(layer.part).ok_or_else(missing)?;
@@ -79,10 +97,8 @@ fn failed(source: &Source, error: ExrError) -> ImageError {
     }
 }
 
-/// The headers, once it is sure that the pixels of all layers, which are decoded together, may be allocated.
-fn headers(source: &Source) -> Result<Vec<Header>, ImageError> {
-    let meta = MetaData::read_from_buffered(source.bytes, false).map_err(|error| failed(source, error))?;
-    let mut samples = 0_usize;
+fn headers(source: &Source, file: impl Read) -> Result<Vec<Header>, ImageError> {
+    let meta = MetaData::read_from_buffered(file, false).map_err(|error| failed(source, error))?;
     for header in &meta.headers {
         if header.deep {
             return Err(source.unsupported(Format::Exr, "deep pixels"));
@@ -90,9 +106,6 @@ fn headers(source: &Source) -> Result<Vec<Header>, ImageError> {
         if header.channels.list.iter().any(|channel| channel.sampling.0 != 1 || channel.sampling.1 != 1) {
             return Err(source.unsupported(Format::Exr, "channels of half the size"));
         }
-        let (width, height) = (header.layer_size.width(), header.layer_size.height());
-        samples = samples.saturating_add(width.saturating_mul(height).saturating_mul(header.channels.list.len()));
-        source.check_size(width, height, samples.div_ceil(width.saturating_mul(height).max(1)))?;
     }
     Ok(meta.headers.into_vec())
 }

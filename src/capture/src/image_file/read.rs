@@ -1,13 +1,13 @@
 //! Reading a picture: what it is, whether it can be true, and which decoder takes it.
 
 use std::fmt::Display;
-use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use firstbounce_core::{Mask, Plane};
 use rayon::prelude::*;
 
+use super::head::{Head, PictureSize};
 use super::{Channel, Format, ImageError, ImageFile, ImageWarning, StoredRange, exr_in, pfm, raster, tiff_in};
 
 /// The most pixels of a picture: twice the largest camera sensor of today.
@@ -51,14 +51,14 @@ pub fn read_image(path: &Path) -> Result<ImageFile, ImageError> {
 /// # Errors
 /// As [`read_image`], and [`ImageError::NoLayer`].
 pub fn read_image_as(path: &Path, options: &ReadOptions) -> Result<ImageFile, ImageError> {
-    let bytes = read_bytes(path)?;
-    let source = Source { path, bytes: &bytes };
-    let format = source.format()?;
+    let mut head = Head::open(path)?;
+    let bytes = head.bytes()?;
+    let Head { source, format, .. } = head;
     let decoded = source.guarded(format, || match format {
-        Format::Png | Format::Jpeg | Format::Hdr => raster::read(&source, format),
-        Format::Tiff => tiff_in::read(&source),
-        Format::Exr => exr_in::read(&source, options.layer.as_deref()),
-        Format::Pfm => pfm::read(&source),
+        Format::Png | Format::Jpeg | Format::Hdr => raster::read(&source, format, &bytes),
+        Format::Tiff => tiff_in::read(&source, &bytes),
+        Format::Exr => exr_in::read(&source, &bytes, options.layer.as_deref()),
+        Format::Pfm => pfm::read(&source, &bytes),
     })?;
     let planes = decoded.channels.iter().map(|(_, plane)| plane);
     if decoded.stored.maximum.is_none() {
@@ -94,7 +94,8 @@ pub(super) struct Decoded {
 /// The file that is being read.
 pub(super) struct Source<'a> {
     pub path: &'a Path,
-    pub bytes: &'a [u8],
+    /// Its bytes.
+    pub length: usize,
 }
 
 impl Source<'_> {
@@ -107,12 +108,12 @@ impl Source<'_> {
     }
 
     /// Refuses, before anything is allocated, what cannot be a picture: no pixels, or more than the file can hold.
-    pub fn check_size(&self, width: usize, height: usize, samples_per_pixel: usize) -> Result<(), ImageError> {
+    pub fn check_size(&self, PictureSize { width, height, channels }: PictureSize) -> Result<(), ImageError> {
         let path = self.path.to_path_buf();
-        let plausible = self.bytes.len().saturating_mul(PIXELS_PER_BYTE).clamp(HARMLESS_PIXELS, PIXEL_LIMIT);
-        let samples = width.saturating_mul(height).saturating_mul(samples_per_pixel);
+        let plausible = self.length.saturating_mul(PIXELS_PER_BYTE).clamp(HARMLESS_PIXELS, PIXEL_LIMIT);
+        let samples = width.saturating_mul(height).saturating_mul(channels);
         if width.saturating_mul(height) > plausible || samples > BYTE_LIMIT / 4 {
-            return Err(ImageError::TooLarge { path, width, height, bytes: self.bytes.len() });
+            return Err(ImageError::TooLarge { path, width, height, bytes: self.length });
         }
         if samples == 0 {
             return Err(ImageError::Empty { path });
@@ -121,10 +122,10 @@ impl Source<'_> {
     }
 
     /// The format by the first bytes.
-    pub fn format(&self) -> Result<Format, ImageError> {
-        let is = |magic: &[u8]| self.bytes.starts_with(magic);
+    pub fn format(&self, first: &[u8]) -> Result<Format, ImageError> {
+        let is = |magic: &[u8]| first.starts_with(magic);
         let path = self.path.to_path_buf();
-        if self.bytes.is_empty() {
+        if first.is_empty() {
             Err(ImageError::Empty { path })
         } else if is(b"\x89PNG\r\n\x1a\n") {
             Ok(Format::Png)
@@ -136,10 +137,10 @@ impl Source<'_> {
             Ok(Format::Jpeg)
         } else if is(b"#?RADIANCE") || is(b"#?RGBE") {
             Ok(Format::Hdr)
-        } else if (is(b"PF") || is(b"Pf")) && self.bytes.get(2).is_some_and(u8::is_ascii_whitespace) {
+        } else if (is(b"PF") || is(b"Pf")) && first.get(2).is_some_and(u8::is_ascii_whitespace) {
             Ok(Format::Pfm)
         } else {
-            let first = self.bytes.iter().take(3).map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
+            let first = first.iter().take(3).map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
             Err(ImageError::NotAnImage { path, first_bytes: first.join(" ") })
         }
     }
@@ -149,18 +150,6 @@ impl Source<'_> {
     pub fn guarded<T>(&self, format: Format, decode: impl FnOnce() -> Result<T, ImageError>) -> Result<T, ImageError> {
         catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| Err(self.damaged(format, "the decoder gave up")))
     }
-}
-
-pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, ImageError> {
-    let unreadable = |reason: String| ImageError::Unreadable { path: path.to_path_buf(), reason };
-    let facts = fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
-    if !facts.is_file() {
-        return Err(unreadable("it is not a file".into()));
-    }
-    if facts.len() > BYTE_LIMIT as u64 {
-        return Err(unreadable(format!("it is {} bytes long", facts.len())));
-    }
-    fs::read(path).map_err(|error| unreadable(error.to_string()))
 }
 
 fn one_line(text: impl Display) -> String {
@@ -216,7 +205,7 @@ mod tests {
 
     #[test]
     fn a_decoder_that_panics_is_a_damaged_file() {
-        let source = Source { path: Path::new("left.exr"), bytes: b"" };
+        let source = Source { path: Path::new("left.exr"), length: 0 };
         let result = source.guarded::<()>(Format::Exr, || panic!("a decoder's own bug"));
         assert!(matches!(result, Err(ImageError::Damaged { format: Format::Exr, .. })));
     }

@@ -1,27 +1,25 @@
 //! TIFF, by the `tiff` crate: the `image` crate refuses grey floats.
 
-use std::io::Cursor;
+use std::io::{Cursor, Read, Seek};
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::{ColorType, TiffError};
 
+use super::head::PictureSize;
 use super::read::{BYTE_LIMIT, Decoded, Source};
 use super::samples::{Layout, split};
 use super::{Format, ImageError, StoredRange};
 
-/// The first picture of the file, in strips or tiles, interleaved or plane by plane.
-pub(super) fn read(source: &Source) -> Result<Decoded, ImageError> {
-    let failed = |error: TiffError| match error {
-        TiffError::UnsupportedError(what) => source.unsupported(Format::Tiff, what),
-        error => source.damaged(Format::Tiff, error),
-    };
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = BYTE_LIMIT;
-    limits.intermediate_buffer_size = BYTE_LIMIT;
-    let mut decoder = Decoder::new(Cursor::new(source.bytes)).map_err(failed)?.with_limits(limits);
+pub(super) fn size(source: &Source, file: impl Read + Seek) -> Result<PictureSize, ImageError> {
+    let mut decoder = Decoder::new(file).map_err(|error| failed(source, error))?;
+    Ok(stated(source, &mut decoder)?.0)
+}
+
+/// The size, and the bits of a sample.
+fn stated<R: Read + Seek>(source: &Source, decoder: &mut Decoder<R>) -> Result<(PictureSize, u8), ImageError> {
+    let failed = |error| failed(source, error);
     let (width, height) = decoder.dimensions().map_err(failed)?;
-    let (width, height) = (width as usize, height as usize);
-    let (bits, samples_per_pixel) = match decoder.colortype().map_err(failed)? {
+    let (bits, channels) = match decoder.colortype().map_err(failed)? {
         ColorType::Gray(bits @ (1 | 2 | 4)) => (bits, 1),
         ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => (bits, 1),
         ColorType::GrayA(bits @ (8 | 16 | 32 | 64)) => (bits, 2),
@@ -29,7 +27,24 @@ pub(super) fn read(source: &Source) -> Result<Decoded, ImageError> {
         ColorType::RGBA(bits @ (8 | 16 | 32 | 64)) => (bits, 4),
         other => return Err(source.unsupported(Format::Tiff, format_args!("colours of the kind {other:?}"))),
     };
-    source.check_size(width, height, samples_per_pixel)?;
+    Ok((PictureSize { width: width as usize, height: height as usize, channels }, bits))
+}
+
+fn failed(source: &Source, error: TiffError) -> ImageError {
+    match error {
+        TiffError::UnsupportedError(what) => source.unsupported(Format::Tiff, what),
+        error => source.damaged(Format::Tiff, error),
+    }
+}
+
+/// The first picture of the file, in strips or tiles, interleaved or plane by plane.
+pub(super) fn read(source: &Source, bytes: &[u8]) -> Result<Decoded, ImageError> {
+    let failed = |error| failed(source, error);
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = BYTE_LIMIT;
+    limits.intermediate_buffer_size = BYTE_LIMIT;
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(failed)?.with_limits(limits);
+    let (PictureSize { width, height, channels: samples_per_pixel }, bits) = stated(source, &mut decoder)?;
 
     let mut samples = DecodingResult::U8(Vec::new());
     let buffer = decoder.read_image_to_buffer(&mut samples).map_err(failed)?;
