@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 pub use error::{MeshError, MeshProblem, MeshWarning};
 pub use sniff::MeshFormat;
 
+use crate::guard::{Panicked, guarded};
+
 use own::Header;
 
 /// What one unit of a file's coordinates is. No mesh format but glTF says so itself: the person must, except for a file of
@@ -94,12 +96,14 @@ pub fn read_mesh(path: &Path, scale: LengthScale) -> Result<MeshFile, MeshError>
 /// Reads a mesh from the contents of a file; `extension` (lower case, no dot) is only compared with what they are.
 fn mesh_from_bytes(bytes: &[u8], extension: &str, scale: LengthScale) -> Result<MeshFile, MeshProblem> {
     let format = sniff::sniff(bytes, extension)?;
-    let raw = match format {
-        MeshFormat::Obj => obj::parse(bytes)?,
-        MeshFormat::Ply => ply::parse(bytes)?,
-        MeshFormat::StlText => stl::parse_text(bytes)?,
-        MeshFormat::StlBinary => stl::parse_binary(bytes)?,
-    };
+    let raw = guarded(|| match format {
+        MeshFormat::Obj => obj::parse(bytes),
+        MeshFormat::Ply => ply::parse(bytes),
+        MeshFormat::StlText => stl::parse_text(bytes),
+        MeshFormat::StlBinary => stl::parse_binary(bytes),
+    });
+    let gave_up = |Panicked| MeshProblem::Malformed { format, reason: "its reader gave up".to_owned() };
+    let raw = raw.map_err(gave_up)??;
     let (mut mesh, mut warnings) = clean::clean(raw, scale)?;
     let header = Header::of(bytes, format);
     if header.in_pixels && scale == LengthScale::default() {
