@@ -4,6 +4,9 @@
 
 mod bad_input;
 mod calibrate;
+#[path = "../../src/capture/tests/pictures/codecs.rs"]
+mod codecs;
+mod damaged_pictures;
 mod export;
 #[cfg(unix)]
 mod hostile;

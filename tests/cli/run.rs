@@ -15,9 +15,22 @@ pub struct Ran {
 
 /// Runs `firstbounce` with these arguments in the folder `place`.
 pub fn firstbounce<I: AsRef<OsStr>>(place: &Path, arguments: impl IntoIterator<Item = I>) -> Ran {
-    let program = Path::new(env!("CARGO_BIN_EXE_firstbounce"));
-    let Output { status, stdout, stderr } =
-        Command::new(program).args(arguments).current_dir(place).output().expect("the program starts");
+    run(Command::new(env!("CARGO_BIN_EXE_firstbounce")).args(arguments).current_dir(place))
+}
+
+/// The same where it, and each process that it starts, may map `max_mib` of memory, where the system can hold it to that.
+pub fn firstbounce_within<I: AsRef<OsStr>>(place: &Path, max_mib: u64, arguments: impl IntoIterator<Item = I>) -> Ran {
+    if !cfg!(target_os = "linux") {
+        return firstbounce(place, arguments);
+    }
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("ulimit -v {}; exec \"$0\" \"$@\"", max_mib << 10), env!("CARGO_BIN_EXE_firstbounce")]);
+    // Each thread maps memory that it does not use.
+    run(shell.args(arguments).env("RAYON_NUM_THREADS", "2").current_dir(place))
+}
+
+fn run(command: &mut Command) -> Ran {
+    let Output { status, stdout, stderr } = command.output().expect("the program starts");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program prints UTF-8");
     Ran { code: status.code().expect("the program ends by itself"), out: text(stdout), err: text(stderr) }
 }

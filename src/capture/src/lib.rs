@@ -1,6 +1,7 @@
 //! What lies on disk, and the pipeline that turns a capture set into a mesh, stage by stage.
 
 pub mod atomic;
+pub mod guard;
 pub mod image_file;
 pub mod light_file;
 pub mod mesh_file;

@@ -11,6 +11,7 @@ use firstbounce_capture::image_file::{
 use firstbounce_capture::set::Channel;
 use firstbounce_core::Plane;
 use image::{DynamicImage, ImageFormat};
+use pictures::codecs::tiff_of_tags;
 use pictures::*;
 use tiff::encoder::Compression;
 

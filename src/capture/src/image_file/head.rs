@@ -1,7 +1,7 @@
 //! The head of a picture: what it is and how large it says it is, before it is read whole.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::open::open_file;
@@ -28,60 +28,78 @@ pub struct PictureSize {
 /// # Errors
 /// As [`read_image`](super::read_image), but for what only its pixels show.
 pub fn picture_size(path: &Path) -> Result<PictureSize, ImageError> {
-    Ok(Head::open(path)?.size)
+    Ok(Opened::open(path)?.stated()?.size)
 }
 
-/// An open picture whose stated size may be allocated.
-pub(super) struct Head<'a> {
+/// What the head of a picture says.
+pub(super) struct Stated {
+    pub size: PictureSize,
+    /// Whether its decoder takes no more memory and time than the size explains, whatever the file holds.
+    pub bounded: bool,
+}
+
+/// A file that begins like a picture.
+pub(super) struct Opened<'a> {
     pub source: Source<'a>,
     pub format: Format,
-    pub size: PictureSize,
     file: File,
 }
 
-impl<'a> Head<'a> {
-    /// Reads the format and the size, and refuses what cannot be a picture.
+impl<'a> Opened<'a> {
+    /// Reads the first bytes and no more.
     pub fn open(path: &'a Path) -> Result<Self, ImageError> {
         let unreadable = |reason: String| ImageError::Unreadable { path: path.to_path_buf(), reason };
-        let (mut file, length) = open_file(path, BYTE_LIMIT as u64).map_err(|error| unreadable(error.to_string()))?;
+        let (file, length) = open_file(path, BYTE_LIMIT as u64).map_err(|error| unreadable(error.to_string()))?;
         let source = Source { path, length: length as usize };
         let mut first = Vec::new();
-        (&file).take(16).read_to_end(&mut first).map_err(|error| unreadable(error.to_string()))?;
-        let format = source.format(&first)?;
-        file.rewind().map_err(|error| unreadable(error.to_string()))?;
-        let reader = BufReader::new(Bounded { file: &mut file, left: MAX_HEAD_BYTES });
-        let size = source.guarded(format, || match format {
-            Format::Png | Format::Jpeg | Format::Hdr => raster::size(&source, format, reader),
-            Format::Tiff => tiff_in::size(&source, reader),
-            Format::Exr => exr_in::size(&source, reader),
-            Format::Pfm => pfm::size(&source, reader),
-        })?;
-        source.check_size(size)?;
-        Ok(Self { source, format, size, file })
+        (&file).take(16).read_to_end(&mut first).map_err(|error| source.unreadable(error))?;
+        Ok(Self { format: source.format(&first)?, source, file })
+    }
+
+    /// Reads what the picture says of itself, and refuses what cannot be true.
+    pub fn stated(&mut self) -> Result<Stated, ImageError> {
+        let (source, format) = (self.source, self.format);
+        let file = self.head()?;
+        let stated = match format {
+            Format::Png | Format::Jpeg | Format::Hdr => raster::stated(&source, format, file),
+            Format::Tiff => tiff_in::stated(&source, file),
+            Format::Exr => exr_in::stated(&source, file),
+            Format::Pfm => pfm::stated(&source, file),
+        }?;
+        source.check_size(stated.size)?;
+        Ok(stated)
+    }
+
+    /// The file from its start, which ends early.
+    pub fn head(&mut self) -> Result<impl BufRead + Seek, ImageError> {
+        Ok(BufReader::new(Bounded { file: self.rewound()?, left: MAX_HEAD_BYTES }))
+    }
+
+    /// The file from its start.
+    pub fn rewound(&mut self) -> Result<&File, ImageError> {
+        self.file.rewind().map_err(|error| self.source.unreadable(error))?;
+        Ok(&self.file)
     }
 
     /// The whole file.
     pub fn bytes(&mut self) -> Result<Vec<u8>, ImageError> {
-        let unreadable = |error: io::Error| ImageError::Unreadable {
-            path: self.source.path.to_path_buf(),
-            reason: error.to_string(),
-        };
-        self.file.rewind().map_err(unreadable)?;
-        let mut bytes = Vec::with_capacity(self.source.length);
-        (&self.file).take(self.source.length as u64).read_to_end(&mut bytes).map_err(unreadable)?;
+        let source = self.source;
+        let mut bytes = Vec::with_capacity(source.length);
+        let file = self.rewound()?;
+        file.take(source.length as u64).read_to_end(&mut bytes).map_err(|error| source.unreadable(error))?;
         Ok(bytes)
     }
 }
 
 /// A file that ends once so many bytes of it were read, wherever they lie.
 struct Bounded<'a> {
-    file: &'a mut File,
+    file: &'a File,
     left: u64,
 }
 
 impl Read for Bounded<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.file.by_ref().take(self.left).read(buffer)?;
+        let count = self.file.take(self.left).read(buffer)?;
         self.left -= count as u64;
         Ok(count)
     }

@@ -5,7 +5,7 @@ use std::io::Read;
 
 use firstbounce_core::Plane;
 
-use super::head::PictureSize;
+use super::head::{PictureSize, Stated};
 use super::read::{Decoded, Source};
 use super::samples::{Layout, split};
 use super::{Channel, Format, ImageError, StoredRange};
@@ -13,10 +13,10 @@ use super::{Channel, Format, ImageError, StoredRange};
 /// Four words, with as much white space as anybody would write between them.
 const MAX_HEADER_BYTES: u64 = 4096;
 
-pub(super) fn size(source: &Source, file: impl Read) -> Result<PictureSize, ImageError> {
+pub(super) fn stated(source: &Source, file: impl Read) -> Result<Stated, ImageError> {
     let mut bytes = Vec::new();
     file.take(MAX_HEADER_BYTES).read_to_end(&mut bytes).map_err(|error| source.damaged(Format::Pfm, error))?;
-    Ok(Header::of(source, &bytes)?.size)
+    Ok(Stated { size: Header::of(source, &bytes)?.size, bounded: true })
 }
 
 /// The size of the scale is not applied: readers disagree on its meaning, and the capture file has its own white level.

@@ -5,7 +5,7 @@ use std::io::{BufRead, Cursor, Seek};
 use image::error::ImageError as DecodeError;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::head::PictureSize;
+use super::head::{PictureSize, Stated};
 use super::read::{Decoded, Source};
 use super::samples::{Layout, split};
 use super::{Format, ImageError, StoredRange};
@@ -13,21 +13,27 @@ use super::{Format, ImageError, StoredRange};
 /// The most that a colour profile or another text beside the pixels may inflate to.
 const MAX_EXTRA_BYTES: usize = 64 << 20;
 
-pub(super) fn size(source: &Source, format: Format, file: impl BufRead + Seek) -> Result<PictureSize, ImageError> {
-    let decoder = decoder(source, format, file, MAX_EXTRA_BYTES)?;
+pub(super) fn stated(source: &Source, format: Format, file: impl BufRead + Seek) -> Result<Stated, ImageError> {
+    source
+        .guarded(format, || Ok(Stated { size: size(&decoder(source, format, file, MAX_EXTRA_BYTES)?), bounded: true }))
+}
+
+fn size(decoder: &impl ImageDecoder) -> PictureSize {
     let (width, height) = decoder.dimensions();
     let channels = usize::from(decoder.color_type().channel_count());
-    Ok(PictureSize { width: width as usize, height: height as usize, channels })
+    PictureSize { width: width as usize, height: height as usize, channels }
 }
 
 /// Palettes and fewer than 8 bits come out as 8 bits, 0 and 255 for the two values of a one-bit picture.
 pub(super) fn read(source: &Source, format: Format, bytes: &[u8]) -> Result<Decoded, ImageError> {
-    let PictureSize { width, height, channels } = size(source, format, Cursor::new(bytes))?;
+    let PictureSize { width, height, channels } = stated(source, format, Cursor::new(bytes))?.size;
     let pixel_bytes = width.saturating_mul(height).saturating_mul(channels).saturating_mul(size_of::<f32>());
-    let decoder = decoder(source, format, Cursor::new(bytes), pixel_bytes.saturating_add(MAX_EXTRA_BYTES))?;
-
+    let max_bytes = pixel_bytes.saturating_add(MAX_EXTRA_BYTES);
+    let image = source.guarded(format, || {
+        let decoder = decoder(source, format, Cursor::new(bytes), max_bytes)?;
+        DynamicImage::from_decoder(decoder).map_err(|error| failed(source, format, error))
+    })?;
     let layout = Layout { width, height, samples_per_pixel: channels, planar: false };
-    let image = DynamicImage::from_decoder(decoder).map_err(|error| failed(source, format, error))?;
     let (channels, maximum) = match &image {
         DynamicImage::ImageRgb32F(pixels) => (split(layout, pixels.as_raw(), |value| value), None),
         DynamicImage::ImageLuma16(pixels) => (split(layout, pixels.as_raw(), f32::from), Some(65535.0)),

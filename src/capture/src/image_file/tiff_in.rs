@@ -2,21 +2,26 @@
 
 use std::io::{Cursor, Read, Seek};
 
-use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
+use tiff::tags::{CompressionMethod, Tag};
 use tiff::{ColorType, TiffError};
 
-use super::head::PictureSize;
+use super::head::{PictureSize, Stated};
 use super::read::{BYTE_LIMIT, Decoded, Source};
 use super::samples::{Layout, split};
 use super::{Format, ImageError, StoredRange};
 
-pub(super) fn size(source: &Source, file: impl Read + Seek) -> Result<PictureSize, ImageError> {
-    let mut decoder = Decoder::new(file).map_err(|error| failed(source, error))?;
-    Ok(stated(source, &mut decoder)?.0)
+pub(super) fn stated(source: &Source, file: impl Read + Seek) -> Result<Stated, ImageError> {
+    source.guarded(Format::Tiff, || {
+        let mut decoder = Decoder::new(file).map_err(|error| failed(source, error))?;
+        let size = size(source, &mut decoder)?.0;
+        check_chunks(source, &mut decoder, size)?;
+        Ok(Stated { size, bounded: is_bounded(source, &mut decoder)? })
+    })
 }
 
 /// The size, and the bits of a sample.
-fn stated<R: Read + Seek>(source: &Source, decoder: &mut Decoder<R>) -> Result<(PictureSize, u8), ImageError> {
+fn size<R: Read + Seek>(source: &Source, decoder: &mut Decoder<R>) -> Result<(PictureSize, u8), ImageError> {
     let failed = |error| failed(source, error);
     let (width, height) = decoder.dimensions().map_err(failed)?;
     let (bits, channels) = match decoder.colortype().map_err(failed)? {
@@ -30,6 +35,38 @@ fn stated<R: Read + Seek>(source: &Source, decoder: &mut Decoder<R>) -> Result<(
     Ok((PictureSize { width: width as usize, height: height as usize, channels }, bits))
 }
 
+/// Refuses tiles and samples for which the decoder would make room, and which the file cannot hold: its limits leave
+/// out the row of a tile that it decodes, and the samples of a pixel that it passes over.
+fn check_chunks<R: Read + Seek>(
+    source: &Source,
+    decoder: &mut Decoder<R>,
+    size: PictureSize,
+) -> Result<(), ImageError> {
+    let samples = decoder.find_tag_unsigned::<u16>(Tag::SamplesPerPixel).map_err(|error| failed(source, error))?;
+    let whole = |side: usize, chunk: u32| side.checked_next_multiple_of(chunk as usize).unwrap_or(usize::MAX);
+    let (width, height) = match decoder.get_chunk_type() {
+        ChunkType::Strip => (size.width, size.height),
+        ChunkType::Tile => {
+            let (tile_width, tile_height) = decoder.chunk_dimensions();
+            (whole(size.width, tile_width), whole(size.height, tile_height))
+        }
+    };
+    source.check_size(PictureSize { width, height, channels: size.channels.max(samples.unwrap_or(1).into()) })
+}
+
+/// Whether the compression writes only what there is room for. JPEG and fax have sizes of their own in each strip.
+fn is_bounded<R: Read + Seek>(source: &Source, decoder: &mut Decoder<R>) -> Result<bool, ImageError> {
+    let compression = decoder.find_tag_unsigned(Tag::Compression).map_err(|error| failed(source, error))?;
+    Ok(matches!(
+        compression.map_or(CompressionMethod::None, CompressionMethod::from_u16_exhaustive),
+        CompressionMethod::None
+            | CompressionMethod::LZW
+            | CompressionMethod::Deflate
+            | CompressionMethod::OldDeflate
+            | CompressionMethod::PackBits
+    ))
+}
+
 fn failed(source: &Source, error: TiffError) -> ImageError {
     match error {
         TiffError::UnsupportedError(what) => source.unsupported(Format::Tiff, what),
@@ -39,16 +76,19 @@ fn failed(source: &Source, error: TiffError) -> ImageError {
 
 /// The first picture of the file, in strips or tiles, interleaved or plane by plane.
 pub(super) fn read(source: &Source, bytes: &[u8]) -> Result<Decoded, ImageError> {
-    let failed = |error| failed(source, error);
     let mut limits = Limits::default();
     limits.decoding_buffer_size = BYTE_LIMIT;
     limits.intermediate_buffer_size = BYTE_LIMIT;
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(failed)?.with_limits(limits);
-    let (PictureSize { width, height, channels: samples_per_pixel }, bits) = stated(source, &mut decoder)?;
-
     let mut samples = DecodingResult::U8(Vec::new());
-    let buffer = decoder.read_image_to_buffer(&mut samples).map_err(failed)?;
-    let layout = Layout { width, height, samples_per_pixel, planar: buffer.planes > 1 };
+    let (PictureSize { width, height, channels: samples_per_pixel }, bits, planes) =
+        source.guarded(Format::Tiff, || {
+            let failed = |error| failed(source, error);
+            let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(failed)?.with_limits(limits);
+            let (size, bits) = size(source, &mut decoder)?;
+            check_chunks(source, &mut decoder, size)?;
+            Ok((size, bits, decoder.read_image_to_buffer(&mut samples).map_err(failed)?.planes))
+        })?;
+    let layout = Layout { width, height, samples_per_pixel, planar: planes > 1 };
     let integer = |bits: u8| Some((u64::MAX >> (64 - bits)) as f32);
     let (channels, maximum) = match &samples {
         DecodingResult::U8(s) if bits < 8 => (split(layout, &unpacked(s, width, bits), f32::from), integer(bits)),

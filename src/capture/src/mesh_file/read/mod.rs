@@ -18,6 +18,8 @@ use serde::{Deserialize, Serialize};
 pub use error::{MeshError, MeshProblem, MeshWarning};
 pub use sniff::MeshFormat;
 
+use crate::guard::{Panicked, guarded};
+
 use own::Header;
 
 /// What one unit of a file's coordinates is. No mesh format but glTF says so itself: the person must, except for a file of
@@ -95,15 +97,17 @@ pub fn read_mesh(path: &Path, scale: LengthScale) -> Result<MeshFile, MeshError>
 fn mesh_from_bytes(bytes: &[u8], extension: &str, scale: LengthScale) -> Result<MeshFile, MeshProblem> {
     let start = &bytes[..bytes.len().min(sniff::START_BYTES)];
     let format = sniff::sniff(start, bytes.len() as u64, extension)?;
-    let raw = match format {
+    let raw = guarded(|| match format {
         MeshFormat::Obj if !sniff::has_obj_line(bytes) => {
-            return Err(MeshProblem::UnknownFormat { looks_like: "a text without any vertex" });
+            Err(MeshProblem::UnknownFormat { looks_like: "a text without any vertex" })
         }
-        MeshFormat::Obj => obj::parse(bytes)?,
-        MeshFormat::Ply => ply::parse(bytes)?,
-        MeshFormat::StlText => stl::parse_text(bytes)?,
-        MeshFormat::StlBinary => stl::parse_binary(bytes)?,
-    };
+        MeshFormat::Obj => obj::parse(bytes),
+        MeshFormat::Ply => ply::parse(bytes),
+        MeshFormat::StlText => stl::parse_text(bytes),
+        MeshFormat::StlBinary => stl::parse_binary(bytes),
+    });
+    let gave_up = |Panicked| MeshProblem::Malformed { format, reason: "its reader gave up".to_owned() };
+    let raw = raw.map_err(gave_up)??;
     let (mut mesh, mut warnings) = clean::clean(raw, scale)?;
     let header = Header::of(bytes, format);
     if header.in_pixels && scale == LengthScale::default() {
