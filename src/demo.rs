@@ -10,7 +10,8 @@ static DEMO: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/assets/demo");
 /// Puts the demo set into `folder`, where the user can look at it and change it: what is there already stays. Returns the
 /// folder.
 pub fn unpack(folder: &Path) -> Result<&Path, WriteError> {
-    let rules = OutputRules { guarded: None, is_output: |name| DEMO.get_file(name).is_some() };
+    // The folder of the set is this program's idea, not the user's: a link of its name is not followed.
+    let rules = OutputRules { guarded: folder.parent(), is_output: |name| DEMO.get_file(name).is_some() };
     let output = OutputFolder::stage_with(folder, rules)?;
     let mut pending = vec![&DEMO];
     while let Some(dir) = pending.pop() {

@@ -10,6 +10,7 @@ use std::time::Instant;
 use anyhow::{anyhow, bail};
 use eframe::egui::{Context, Ui, ViewportBuilder};
 use eframe::{App, CreationContext, NativeOptions, egui_wgpu, wgpu};
+use firstbounce_capture::guard::is_guarded;
 
 use crate::app::base::dialogs::SystemDialogs;
 use crate::app::base::jobs::lower_priority_of_workers;
@@ -163,9 +164,12 @@ fn options(losses: &Losses) -> NativeOptions {
     options
 }
 
-/// A panic first saves the document, then says one line.
+/// A panic first saves the document, then says one line; one that a reader of files catches does neither.
 fn guard_document() {
     panic::set_hook(Box::new(|info: &PanicHookInfo<'_>| {
+        if is_guarded() {
+            return;
+        }
         let saved = save_everything_now();
         let place = info.location().map(|place| format!(" ({}:{})", place.file(), place.line())).unwrap_or_default();
         let words = panic_words(info.payload());

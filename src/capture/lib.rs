@@ -21,6 +21,7 @@
 
 pub mod atomic;
 pub mod export;
+pub mod guard;
 #[doc = include_str!("FORMAT.md")]
 pub mod format {}
 pub mod image_file;

@@ -7,10 +7,12 @@ use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::write_kept_file;
 use firstbounce_capture::light_file::{CarriedLights, LightFile};
-use firstbounce_capture::pipeline::{Calibrated, Preference, Source, calibrate};
+use firstbounce_capture::open::read_text;
+use firstbounce_capture::pipeline::{Calibrated, Preference, Source, Work, calibrate};
 use firstbounce_capture::report::{CalibrationRecord, Row};
 use firstbounce_capture::set::write_calibration;
 
+use super::memory::MemoryArgs;
 use super::progress::Terminal;
 use super::table::{row, table};
 use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
@@ -26,15 +28,18 @@ pub struct CalibrateArgs {
     #[arg(long)]
     write: bool,
     #[command(flatten)]
+    memory: MemoryArgs,
+    #[command(flatten)]
     print: PrintArgs,
 }
 
 /// Runs the command.
 pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
     let mut set = CaptureSet::open(&args.set.path)?;
+    args.memory.check(&set, Work::Calibrate)?;
     let carried = args.lights_from.as_deref().map(|path| take_lights(&mut set, path)).transpose()?;
     let preference = if carried.is_some() { Preference::BallsUnderGivenLights } else { Preference::Balls };
-    let terminal = Terminal::attend();
     let calibrated = calibrate(&set, preference, &terminal);
     terminal.finish();
     let mut calibrated = calibrated?;
@@ -72,7 +77,7 @@ fn mark_source(set: &CaptureSet, carried: &CarriedLights, calibrated: &mut Calib
 /// Puts values and circles into the set's file.
 fn write(set: &CaptureSet, calibrated: &Calibrated) -> anyhow::Result<()> {
     let path = set.file_path();
-    let old = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let old = read_text(&path).with_context(|| path.display().to_string())?;
     let circles: Vec<_> = calibrated.circles.iter().map(|ball| ball.sphere).collect();
     let new = write_calibration(&old, &calibrated.values(set), &circles)?;
     Ok(write_kept_file(&path, new.as_bytes())?)

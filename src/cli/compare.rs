@@ -85,10 +85,10 @@ struct AlignmentRecord {
 
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
     if let Some(path) = &args.heat_map {
         refuse_to_replace(path, [&args.a, &args.b])?;
     }
-    let terminal = Terminal::attend();
     let (a, mut warnings) = read_comparable(&args.a, args.unit.into())?;
     let (b, warnings_b) = read_comparable(&args.b, args.unit_b.unwrap_or(args.unit).into())?;
     warnings.extend(warnings_b);

@@ -1,12 +1,13 @@
 //! `firstbounce demo`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::export::OutputOptions;
 use firstbounce_capture::pipeline::SolveOptions;
 
+use super::progress::Terminal;
 use super::solve::{default_place, solve_into, summary};
 use super::{PrintArgs, print, print_json, print_warnings, window};
 use crate::demo::unpack;
@@ -26,8 +27,10 @@ pub struct DemoArgs {
 /// Runs the command.
 pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let folder = args.out.clone().map_or_else(|| default_place("demo"), Ok)?;
+    let terminal = Terminal::attend();
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
-    let report = solve_into(&set, &folder, &SolveOptions::of(&set.shape), &OutputOptions::default())?;
+    let report = solve_into(&set, &folder, &SolveOptions::of(&set.shape), &OutputOptions::default(), &terminal)?;
+    drop(terminal);
     print_warnings(&report.warnings);
     if args.print.json {
         return print_json(&report);

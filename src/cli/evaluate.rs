@@ -2,8 +2,9 @@
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{Angles, Evaluation, Method, evaluate};
+use firstbounce_capture::pipeline::{Angles, Evaluation, Method, Work, evaluate};
 
+use super::memory::MemoryArgs;
 use super::progress::Terminal;
 use super::solve::MethodArgs;
 use super::table::{row, table};
@@ -16,14 +17,17 @@ pub struct EvaluateArgs {
     #[command(flatten)]
     solve: MethodArgs,
     #[command(flatten)]
+    memory: MemoryArgs,
+    #[command(flatten)]
     print: PrintArgs,
 }
 
 /// Runs the command.
 pub fn run(args: &EvaluateArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
     let set = CaptureSet::open(&args.set.path)?;
     let options = args.solve.options(&set)?;
-    let terminal = Terminal::attend();
+    args.memory.check(&set, Work::Evaluate)?;
     let evaluation = evaluate(&set, &options, &terminal);
     terminal.finish();
     let evaluation = evaluation?;

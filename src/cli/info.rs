@@ -3,7 +3,7 @@
 use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Exposed, survey};
-use firstbounce_capture::set::{Shot, Subject};
+use firstbounce_capture::set::{Shot, SphereKind, Subject};
 use serde::Serialize;
 
 use super::progress::Terminal;
@@ -57,8 +57,8 @@ struct ShotInfo {
 
 /// Runs the command.
 pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
-    let set = CaptureSet::open(&args.set.path)?;
     let terminal = Terminal::attend();
+    let set = CaptureSet::open(&args.set.path)?;
     let exposed = survey(&set, &terminal);
     terminal.finish();
     let shots = set.shots.iter().zip(exposed?).map(|(shot, exposed)| shot_info(&set, shot, exposed));

@@ -4,9 +4,11 @@
 
 mod calibrate;
 mod compare;
+mod decode_picture;
 mod demo;
 mod evaluate;
 mod info;
+mod memory;
 mod open;
 mod output;
 mod paper;
@@ -54,6 +56,9 @@ pub enum Command {
     Paper(paper::PaperArgs),
     /// Solve the set that comes with the program
     Demo(demo::DemoArgs),
+    /// Decode one picture for the process that started this one
+    #[command(hide = true)]
+    DecodePicture(decode_picture::DecodeArgs),
 }
 
 /// The capture set that a command works on.
@@ -91,6 +96,7 @@ pub fn run(command: Option<Command>) -> anyhow::Result<()> {
         Command::Plan(args) => plan::run(&args),
         Command::Paper(args) => paper::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::DecodePicture(args) => decode_picture::run(&args),
     }
 }
 

@@ -31,13 +31,13 @@ fn html_path(text: &str) -> Result<PathBuf, String> {
 
 /// Runs the command.
 pub fn run(args: &PaperArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
     let page = args.out.clone().map_or_else(|| default_place("paper.html"), Ok)?;
     // Before the work, so that a folder that cannot be written is known at once.
     let folder = page.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let output = OutputFolder::stage(folder)?;
     let staged = output.file(page.file_name().unwrap_or_default())?;
     let options = PaperOptions { size_px: args.size, ..PaperOptions::default() };
-    let terminal = Terminal::attend();
     let found = paper(&options, &terminal.job("paper"));
     terminal.finish();
     let words = PaperRecord::of(&found?, &options);

@@ -40,6 +40,7 @@ struct PlanRecord<'a> {
 
 /// Runs the command.
 pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
     let (options, warnings) = args.scene.options()?;
     let grid = PlanGrid {
         bounces: args.bounces,
@@ -47,7 +48,6 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
         ratios: args.try_ratios.clone(),
         ..PlanGrid::default()
     };
-    let terminal = Terminal::attend();
     let plan = plan_rig(&options, &grid, &terminal.job("plan"));
     terminal.finish();
     let plan = plan?;

@@ -2,29 +2,42 @@
 
 use std::collections::HashMap;
 use std::io::IsTerminal;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock};
+use std::time::{Duration, Instant};
 
 use firstbounce_capture::pipeline::{PipelineWatch, Stage};
 use firstbounce_core::Watch;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-/// Set by ctrl-c; a run sees it at its next step and leaves no half-written output.
+/// Set by the first ctrl-c; a run sees it at its next step and leaves no half-written output.
 static CANCELLED: AtomicBool = AtomicBool::new(false);
+
+/// Whether a run looks at [`CANCELLED`] now.
+static ATTENDED: AtomicBool = AtomicBool::new(false);
+
+/// Exit code of a run that a signal ended, as shells count it.
+const INTERRUPTED: i32 = 130;
+
+/// Signals closer together are one wish: `timeout` and other wrappers send each twice.
+const ONE_WISH: Duration = Duration::from_millis(50);
 
 /// Steps of a bar.
 const STEPS: u64 = 1000;
 
-/// Shows each stage or job as a bar where standard error is a terminal.
+/// Shows each stage or job as a bar where standard error is a terminal, and takes ctrl-c for as long as it is kept. Every
+/// command that may take long makes one before it reads a file.
 pub struct Terminal {
     bars: Option<(MultiProgress, Mutex<HashMap<&'static str, ProgressBar>>)>,
 }
 
 impl Terminal {
-    /// Takes ctrl-c as the wish to cancel.
+    /// Takes the first ctrl-c, or the first wish of the system to end, as the wish to cancel; the second ends the process,
+    /// whatever it does.
     pub fn attend() -> Self {
-        // Without a handler ctrl-c ends the process at once, which leaves the staging folder behind: bearable.
-        let _ = ctrlc::set_handler(|| CANCELLED.store(true, Ordering::Relaxed));
+        ATTENDED.store(true, Ordering::Relaxed);
+        // Without a handler the first ends the process at once, which leaves the staging folder behind: bearable.
+        let _ = ctrlc::set_handler(interrupt);
         let bars = std::io::stderr().is_terminal().then(|| (MultiProgress::new(), Mutex::new(HashMap::new())));
         Self { bars }
     }
@@ -50,6 +63,22 @@ impl Terminal {
             if let Ok(style) = style { bar.with_style(style) } else { bar }
         });
         bar.set_position((fraction.clamp(0.0, 1.0) * STEPS as f32) as u64);
+    }
+}
+
+fn interrupt() {
+    static FIRST: OnceLock<Instant> = OnceLock::new();
+    CANCELLED.store(true, Ordering::Relaxed);
+    let is_second = FIRST.get_or_init(Instant::now).elapsed() > ONE_WISH;
+    if is_second || !ATTENDED.load(Ordering::Relaxed) {
+        std::process::exit(INTERRUPTED);
+    }
+}
+
+impl Drop for Terminal {
+    /// What comes after the run, a window for instance, does not look whether it was cancelled.
+    fn drop(&mut self) {
+        ATTENDED.store(false, Ordering::Relaxed);
     }
 }
 

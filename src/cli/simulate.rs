@@ -69,6 +69,7 @@ struct SimulateRecord<'a> {
 
 /// Runs the command.
 pub fn run(args: &SimulateArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
     let (mut options, mut warnings) = args.scene.options()?;
     options.size_px = args.pixels;
     options.samples_per_pixel_side = args.samples;
@@ -82,7 +83,6 @@ pub fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         options.name.clone_from(name);
     }
     check_folder(&args.out)?;
-    let terminal = Terminal::attend();
     let simulated = simulate(&options, &terminal.job("simulate"));
     terminal.finish();
     let simulated = simulated?;

@@ -8,10 +8,11 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::{WriteError, refuse_links};
 use firstbounce_capture::export::{OutputOptions, stage_results, write_solved};
-use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, solve};
+use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Work, solve};
 use firstbounce_capture::report::{NayarRecord, Report};
 use firstbounce_core::methods::by_shape::ByShapeOptions;
 
+use super::memory::MemoryArgs;
 use super::output::OutputArgs;
 use super::progress::Terminal;
 use super::table::{row, table};
@@ -31,6 +32,8 @@ pub struct SolveArgs {
     method: MethodArgs,
     #[command(flatten)]
     output: OutputArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     #[command(flatten)]
     print: PrintArgs,
 }
@@ -113,10 +116,12 @@ impl MethodArgs {
 
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
+    let terminal = Terminal::attend();
     let set = CaptureSet::open(&args.set.path)?;
     let options = args.method.options(&set)?;
+    args.memory.check(&set, Work::Solve)?;
     let folder = args.out.clone().map_or_else(|| default_folder(&set), Ok)?;
-    let report = solve_into(&set, &folder, &options, &args.output.options())?;
+    let report = solve_into(&set, &folder, &options, &args.output.options(), &terminal)?;
     print_warnings(&report.warnings);
     if args.print.json {
         print_json(&report)?
@@ -136,12 +141,12 @@ pub fn solve_into(
     folder: &Path,
     options: &SolveOptions,
     output_options: &OutputOptions,
+    terminal: &Terminal,
 ) -> anyhow::Result<Report> {
     output_options.check()?;
     let output = stage_results(set, folder)?;
-    let terminal = Terminal::attend();
-    let solved = solve(set, options, &terminal);
-    let report = solved.and_then(|solved| write_solved(set, &solved, output, output_options, &terminal));
+    let solved = solve(set, options, terminal);
+    let report = solved.and_then(|solved| write_solved(set, &solved, output, output_options, terminal));
     terminal.finish();
     Ok(report?)
 }

@@ -69,7 +69,6 @@ impl Default for PlanOptions {
 impl PlanOptions {
     /// Whether every option is in its range; lamps and albedos are checked where they are used.
     pub fn check(&self) -> Result<(), LabError> {
-        let positive = |value: f64| value > 0.0 && value.is_finite();
         self.sensor.check()?;
         check_range("brightest", self.brightest, (1e-6..=1.0).contains(&self.brightest), "from 1e-6 to 1")?;
         let white = self.white.unwrap_or(1.0);

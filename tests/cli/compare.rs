@@ -290,7 +290,7 @@ fn hopeless_meshes_are_one_line_each() {
         fs::read(folder.path("whole.stl")).unwrap()
     };
     let whole = stl(&fixed);
-    let ply = fs::read(&b).unwrap();
+    let whole_ply = fs::read(&b).unwrap();
     let far: &[u8] = b"v 1e39 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let cases: [(PathBuf, &[&str]); 9] = [
         (write("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"), &["no surface"]),
@@ -298,7 +298,7 @@ fn hopeless_meshes_are_one_line_each() {
         (write("lost.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), &["line 4", "9"]),
         (write("inf.obj", far), &["not finite"]),
         (write("cut.stl", &whole[..whole.len() / 2]), &["cut off"]),
-        (write("cut2.ply", &ply[..200]), &["cut2.ply", "PLY"]),
+        (write("cut2.ply", &whole_ply[..200]), &["cut2.ply", "PLY"]),
         (write("text.stl", b"just words"), &["without any vertex", "OBJ, PLY or STL"]),
         (write("scene.obj", b"glTF\x02\0\0\0"), &["glTF"]),
         (write("many.ply", b"ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\nproperty float z\nend_header\n"), &["cut off", "99999999999"]),

@@ -4,14 +4,26 @@
 
 mod bad_input;
 mod calibrate;
+#[path = "../../src/capture/tests/files/codecs.rs"]
+mod codecs;
 mod compare;
+mod damaged_pictures;
 mod export;
 mod format_page;
+#[cfg(unix)]
+mod hostile;
+mod huge_png;
+mod killed;
 mod lab;
+mod memory;
 mod nayar;
 mod no_window;
 mod numbers;
+#[cfg(unix)]
+mod readers;
 mod run;
 mod shared_sets;
+#[cfg(unix)]
+mod signals;
 mod solve;
 mod tiny_set;

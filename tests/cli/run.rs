@@ -27,6 +27,17 @@ pub fn without_display(arguments: &[&str]) -> Ran {
     ran(program.args(arguments))
 }
 
+/// The same where it, and each process that it starts, may map `max_mib` of memory, where the system can hold it to that.
+pub fn firstbounce_within<I: AsRef<OsStr>>(place: &Path, max_mib: u64, arguments: impl IntoIterator<Item = I>) -> Ran {
+    if !cfg!(target_os = "linux") {
+        return firstbounce(place, arguments);
+    }
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("ulimit -v {}; exec \"$0\" \"$@\"", max_mib << 10), env!("CARGO_BIN_EXE_firstbounce")]);
+    // Each thread maps memory that it does not use.
+    ran(shell.args(arguments).env("RAYON_NUM_THREADS", "2").current_dir(place))
+}
+
 fn program() -> Command {
     Command::new(env!("CARGO_BIN_EXE_firstbounce"))
 }

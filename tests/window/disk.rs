@@ -57,3 +57,31 @@ fn a_set_whose_folder_is_gone_is_saved_elsewhere() {
     let photo = saved.resolve(&saved.shots[0].files[0]);
     assert!(photo.starts_with(&folder), "photos stay where they were: {}", photo.display());
 }
+
+#[cfg(unix)]
+#[test]
+fn opening_and_closing_a_set_writes_through_no_link_and_says_so_once() {
+    let mut hands = Hands::with_demo();
+    let set = hands.session().document().set.folder.clone();
+    hands.session().leave();
+    let victim = hands.folder.path().join("settings of another program");
+    fs::write(&victim, "alias ls='ls --color'\n").unwrap();
+    let view = set.join("firstbounce-view.json");
+    if view.exists() {
+        fs::remove_file(&view).unwrap();
+    }
+    std::os::unix::fs::symlink(&victim, &view).unwrap();
+    let before = fs::metadata(&victim).unwrap().modified().unwrap();
+
+    hands.open(Open::Set(set));
+    hands.session().edit("Choose one bounce", |document| document.set.separation.bounces = Some(1));
+    hands.press(Modifiers::COMMAND, Key::S);
+    assert!(hands.sees("Saved "), "the set itself is saved");
+    let lines =
+        hands.session().log.lines().filter(|line| line.text.contains("firstbounce-view.json is a link")).count();
+    assert_eq!(lines, 1);
+    hands.session().leave();
+    assert_eq!(fs::read_to_string(&victim).unwrap(), "alias ls='ls --color'\n");
+    assert_eq!(fs::metadata(&victim).unwrap().modified().unwrap(), before);
+    assert!(view.is_symlink());
+}

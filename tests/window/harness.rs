@@ -213,12 +213,15 @@ impl Hands {
         }
     }
 
-    /// Drops files or folders on the window.
+    /// Drops files or folders on the window, and waits until they were looked through.
     pub fn drop_files(&mut self, paths: &[PathBuf]) {
         for path in paths {
             self.harness.input_mut().dropped_files.push(Arc::new(Dropped(path.clone())));
         }
         self.steps();
+        self.wait_until("the search for pictures", |session| {
+            session.jobs.running().iter().all(|job| job.name() != "Look for pictures")
+        });
     }
 
     /// Opens a choice of names and types a new one.

@@ -9,6 +9,9 @@ mod disk;
 mod edits;
 mod files;
 mod harness;
+mod hostile;
+#[path = "../cli/huge_png.rs"]
+mod huge_png;
 mod inspector;
 mod keyboard;
 mod nayar;

@@ -2,6 +2,7 @@
 
 use eframe::egui::Role;
 use egui_kittest::kittest::Queryable;
+use firstbounce::app::state::results::SurfaceName;
 use firstbounce::app::window::commands::CommandId;
 
 use crate::harness::Hands;
@@ -38,7 +39,8 @@ fn a_set_is_seen_planned_made_and_opened() {
     assert_eq!(hands.session().document().set.title(), "Simulated bowl");
     assert!(!hands.sees("Rig planner"));
     hands.rest();
-    assert!(hands.session().results.finished().is_some());
+    let document = hands.session().document();
+    assert!(hands.session().results.finished(SurfaceName::AFTER, &document).is_some());
     assert!(folder.join("truth/rig.json").is_file());
 }
 

@@ -1,5 +1,9 @@
 //! Where to begin, and what goes on around a set.
 
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use firstbounce::app::state::session::Open;
@@ -94,4 +98,76 @@ fn views_split_and_close_and_their_arrangement_comes_back() {
     hands.press(Modifiers::COMMAND, Key::O);
     hands.open(Open::Set(set));
     assert_eq!(hands.session().views.all().count(), 2);
+}
+
+/// What a run leaves that was killed while it opened `set`.
+fn killed_while_opening(folder: &Path, set: &Path) -> PathBuf {
+    let run = folder.join("config/recovery/1");
+    fs::create_dir_all(&run).unwrap();
+    fs::write(run.join("lock"), "").unwrap();
+    fs::write(run.join("opening.json"), serde_json::json!({ "set": set }).to_string()).unwrap();
+    run
+}
+
+/// A window that remembers a set as its last one, and was killed while it opened it.
+fn after_a_kill() -> (Hands, PathBuf, PathBuf) {
+    let mut hands = Hands::with_demo();
+    hands.rest();
+    let set = hands.session().document().set.folder.clone();
+    let Hands { harness, folder, .. } = hands;
+    drop(harness);
+    let run = killed_while_opening(folder.path(), &set);
+    let mut next = Hands::with_folder(folder);
+    next.harness.state_mut().restore();
+    next.steps();
+    (next, set, run)
+}
+
+#[test]
+fn the_set_that_was_open_when_a_run_was_killed_is_offered_and_not_opened_again() {
+    let (mut hands, set, run) = after_a_kill();
+    let shown = set.display().to_string();
+    assert!(!hands.session().is_open());
+    assert!(hands.sees(&format!("The last run did not end well while {shown} was open.")));
+    assert!(hands.harness.query_by_role_and_label(Role::Link, &shown).is_some(), "it is still among the recent sets");
+    hands.click_button(&format!("Open: {shown}"));
+    assert_eq!(hands.session().document().set.folder, set);
+    assert!(!run.exists(), "it is offered once");
+}
+
+#[test]
+fn a_set_that_is_not_opened_now_is_not_opened_at_the_next_start_either() {
+    let (mut hands, set, run) = after_a_kill();
+    hands.click_button(&format!("Not now: {}", set.display()));
+    assert!(!hands.sees("did not end well") && !run.exists());
+    assert_eq!(hands.session().preferences.recent, [set]);
+    let Hands { harness, folder, .. } = hands;
+    drop(harness);
+    let mut next = Hands::with_folder(folder);
+    next.harness.state_mut().restore();
+    next.steps();
+    assert!(!next.session().is_open());
+}
+
+#[test]
+fn that_a_set_is_being_opened_is_noted_until_its_results_were_drawn() {
+    let mut hands = Hands::with_demo();
+    let note = hands.folder.path().join("config/recovery").join(std::process::id().to_string()).join("opening.json");
+    assert!(note.is_file());
+    hands.rest();
+    hands.steps();
+    assert!(!note.exists());
+    let nowhere = hands.folder.path().join("nowhere");
+    hands.open(Open::Set(nowhere));
+    assert!(!note.exists(), "a set that could not be read did not end the run");
+}
+
+#[test]
+fn the_set_of_the_last_run_is_opened_again_where_that_run_ended_in_order() {
+    let hands = Hands::with_demo();
+    let Hands { harness, folder, .. } = hands;
+    drop(harness);
+    let mut next = Hands::with_folder(folder);
+    next.harness.state_mut().restore();
+    assert!(next.session().is_open());
 }

@@ -134,7 +134,13 @@ fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     hands.click_button("Layers");
     hands.harness.get_by_role_and_label(Role::CheckBox, "Show before").click();
     hands.steps();
-    assert!(look(&mut hands).before.visible);
+    assert!(
+        look(&mut hands)
+            .layer(firstbounce::app::state::surfaces::LayerName::Surface(
+                firstbounce::app::state::results::SurfaceName::Before
+            ))
+            .visible
+    );
     hands.press(Modifiers::NONE, Key::Escape);
     assert!(value(&hands).starts_with("bounce 1 and before, "), "{}", value(&hands));
     hands.click_button("Layers");
@@ -192,7 +198,7 @@ fn a_reference_is_loaded_aligned_and_measured_as_by_the_command() {
     let mut hands = with_surface();
     let mesh = after(&mut hands);
     let made = Isometry3::new(Vector3::new(2.0, -1.0, 1.5), Vector3::new(0.02, 0.05, -0.03));
-    let scan = load(&mut hands, "scan.ply", &mesh.clone().moved(&made));
+    let scan = load(&mut hands, "scan.ply", &Mesh::clone(&mesh).moved(&made));
     assert!(hands.sees("scan.ply: "));
     push(&mut hands, "Align automatically");
     compared(&mut hands);
@@ -200,7 +206,7 @@ fn a_reference_is_loaded_aligned_and_measured_as_by_the_command() {
     let own = hands.folder.path().join("after.ply");
     write_ply(&own, &mesh, None).unwrap();
     let told = command(&["compare", own.to_str().unwrap(), scan.to_str().unwrap(), "--align", "--json"]);
-    let outcome = hands.session().reference.compared().unwrap().outcome.clone().unwrap();
+    let outcome = hands.session().reference.compared().unwrap().clone().unwrap();
     let shown = &outcome.after.comparison;
     let numbers = [
         ("mean_mm", shown.mean_mm),
@@ -245,7 +251,7 @@ fn three_picked_pairs_align_a_scan_that_lies_elsewhere() {
     let mut hands = with_surface();
     let mesh = after(&mut hands);
     let far = Vector3::new(400.0, -30.0, 250.0);
-    load(&mut hands, "far.ply", &mesh.moved(&Isometry3::new(far, Vector3::zeros())));
+    load(&mut hands, "far.ply", &Mesh::clone(&mesh).moved(&Isometry3::new(far, Vector3::zeros())));
     hands.wait_until("the reference in 3D", |session| {
         session.surfaces.layer(firstbounce::app::state::surfaces::LayerName::Reference).is_some()
     });
@@ -276,7 +282,7 @@ fn what_cannot_be_compared_says_why_in_one_line() {
     hands.wait_to_see("notes.obj: ");
     assert!(hands.session().reference.mesh().is_none());
 
-    let mut speck = after(&mut hands);
+    let mut speck = Mesh::clone(&after(&mut hands));
     let first = speck.triangles[0];
     speck.positions =
         first.iter().map(|&corner| speck.positions[corner as usize] + Vector3::new(0.0, 0.0, 900.0)).collect();

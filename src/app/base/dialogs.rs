@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use firstbounce_capture::image_file::Format;
-use firstbounce_capture::mesh_file::MeshFormat;
+use firstbounce_capture::mesh_file::read::MeshFormat;
 
 /// What to choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use eframe::egui::{Button, DragValue, Grid, RichText, Ui};
 use firstbounce_capture::pipeline::{Evaluation, Method, SolveOptions, evaluate};
-use firstbounce_capture::set::ShapeSettings;
+use firstbounce_capture::set::{Number, ShapeSettings};
 use firstbounce_core::stereo::shape::Shape;
 
 use super::Panel;

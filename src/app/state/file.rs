@@ -1,5 +1,6 @@
 //! The file of the open set: recovery of what is unsaved, and what other programs do to it.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::document::{DiskWatch, Document, Editor, Recovery};
@@ -15,6 +16,8 @@ pub struct SetFile {
     pub(super) said_not_kept: bool,
     disk: Option<DiskWatch>,
     is_open: bool,
+    /// Whether it is noted that the set is being opened.
+    is_opening: bool,
     opened: u64,
     /// The document that recovery knows.
     noted: Arc<Document>,
@@ -29,6 +32,7 @@ impl SetFile {
             said_not_kept: false,
             disk: None,
             is_open: false,
+            is_opening: false,
             opened: 0,
             noted: Arc::default(),
         }
@@ -44,8 +48,31 @@ impl SetFile {
         self.opened
     }
 
+    /// Notes, before anything of it is read, that the set in `folder` is being opened: what ends this run is not opened by the
+    /// next one without asking.
+    pub(super) fn opening(&self, folder: &Path) {
+        self.recovery.note_opening(folder);
+    }
+
+    /// The set that was to be opened is not; the one that is open stays.
+    pub(super) fn opening_failed(&self, open: &Editor) {
+        if self.is_opening {
+            self.recovery.note_opening(&open.document().set.folder);
+        } else {
+            self.recovery.opened_well();
+        }
+    }
+
+    /// What the open set gave was drawn, or the program ends in order: nothing of the set ends the next run.
+    pub(in crate::app) fn opened_well(&mut self) {
+        if std::mem::take(&mut self.is_opening) {
+            self.recovery.opened_well();
+        }
+    }
+
     pub(super) fn opened(&mut self, editor: &Editor, wake: Wake) {
         self.is_open = true;
+        self.is_opening = true;
         self.opened += 1;
         self.watch(editor, wake);
         self.note(editor);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 use firstbounce_capture::atomic::write_file;
+use firstbounce_capture::open::read_text;
 use serde::{Deserialize, Serialize};
 
 /// Sets that are offered again.
@@ -75,7 +76,7 @@ impl Default for Preferences {
 impl Preferences {
     /// Reads what was remembered; the defaults where nothing was or it cannot be read.
     pub fn read(folder: &Path) -> Self {
-        let text = fs::read_to_string(file_in(folder)).unwrap_or_default();
+        let text = read_text(&file_in(folder)).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
     }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use firstbounce_capture::WriteError;
-use firstbounce_capture::set::{Location, Problem, SetError};
+use firstbounce_capture::set::{FILE_NAME, Location, Problem, SetError};
 use thiserror::Error;
 
 use super::document::{Document, Editor, Recovered, kept_view, read_view, save_everything_now, write_view};
@@ -15,7 +15,7 @@ use super::panel::PanelName;
 use super::preferences::{Folders, Preferences};
 use super::reference::Reference;
 use super::results::{Next, Results};
-use super::surfaces::Surfaces;
+use super::surfaces::{LayerName, Surfaces};
 use crate::app::base::dialogs::Dialogs;
 use crate::app::base::jobs::{Jobs, Wake};
 use crate::demo;
@@ -31,6 +31,19 @@ pub enum Open {
     New(PathBuf),
     /// An unsaved document of an earlier run, and the folder that keeps it.
     Recovered(PathBuf, Box<Recovered>),
+}
+
+impl Open {
+    /// The set's folder.
+    fn folder(&self, folders: &Folders) -> PathBuf {
+        let path = match self {
+            Self::Set(path) | Self::New(path) => path,
+            Self::Demo => &folders.demo,
+            Self::Recovered(_, kept) => &kept.path,
+        };
+        let is_file = path.is_file() || path.ends_with(FILE_NAME);
+        path.parent().filter(|_| is_file).unwrap_or(path).to_owned()
+    }
 }
 
 /// Why a set was not opened.
@@ -149,6 +162,8 @@ impl Session {
 
     /// Opens a set in place of the one that is open, whose unsaved edits are lost: ask first, by `Chrome::open_set`.
     pub fn open(&mut self, open: Open) {
+        // Noted before anything of it is read: what ends this run is not opened by the next one without asking.
+        self.file.opening(&open.folder(&self.system.folders));
         let opened = match &open {
             Open::Set(path) => Editor::open(path).map_err(OpenError::from),
             Open::Demo => self.open_demo(),
@@ -157,7 +172,10 @@ impl Session {
         };
         match opened {
             Ok(editor) => self.take(editor),
-            Err(error) => return self.error(error.to_string()),
+            Err(error) => {
+                self.file.opening_failed(&self.editor);
+                return self.error(error.to_string());
+            }
         }
         if let Open::Recovered(folder, _) = &open {
             // Only what this run keeps may be forgotten there.
@@ -200,8 +218,17 @@ impl Session {
     /// Leaves the set for the start screen, and the next run begins there.
     pub fn leave(&mut self) {
         self.close();
+        self.file.opened_well();
         self.preferences.last_open = None;
         self.remember();
+    }
+
+    /// The next run does not begin with this set by itself; it stays among the recent ones.
+    pub(in crate::app) fn forget_last_open(&mut self, folder: &Path) {
+        if self.preferences.last_open.as_deref() == Some(folder) {
+            self.preferences.last_open = None;
+            self.remember();
+        }
     }
 
     /// Leaves the set; its arrangement of views is kept beside it.

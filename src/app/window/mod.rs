@@ -133,12 +133,12 @@ impl Window {
         }
     }
 
-    /// Opens the set of the last run, if it is still there and no run before was lost.
+    /// Opens the set of the last run, if it is still there and no run before was lost; the start screen offers what was.
     pub fn restore(&mut self) {
-        let last = self.session.preferences.last_open.clone();
-        if let Some(last) =
-            last.filter(|last| last.join("capture.toml").is_file() && self.session.file.recovery.found().is_empty())
-        {
+        let recovery = &self.session.file.recovery;
+        let was_lost = !recovery.found().is_empty() || !recovery.left_opening().is_empty();
+        let last = self.session.preferences.last_open.clone().filter(|last| last.join("capture.toml").is_file());
+        if let (Some(last), false) = (last, was_lost) {
             self.open(Open::Set(last));
         }
     }
@@ -260,6 +260,12 @@ impl App for Window {
         }
         if self.is_opening {
             self.is_opening = !self.session.results.is_at_rest(&self.session.document());
+            if !self.is_opening {
+                // The next frame knows that this one drew the results.
+                context.request_repaint();
+            }
+        } else {
+            self.session.file.opened_well();
         }
         self.inform_system(context);
         self.chrome.frame_times.end_logic();
@@ -308,6 +314,7 @@ impl App for Window {
 
     fn on_exit(&mut self) {
         self.session.keep_layout();
+        self.session.file.opened_well();
     }
 }
 

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Button, RichText, ScrollArea, Ui};
+use eframe::egui::{Button, RichText, Role, ScrollArea, Ui, WidgetInfo};
 
 use crate::app::base::dialogs::Choose;
-use crate::app::state::document::Recovered;
+use crate::app::state::document::{LeftOpening, Recovered};
 use crate::app::state::session::{Open, Session};
 use crate::app::widgets::path_field::PathField;
 use crate::app::widgets::theme;
@@ -33,6 +33,7 @@ pub enum Chosen {
 pub struct StartScreen {
     path: PathField,
     recovered: Option<Vec<(PathBuf, Recovered)>>,
+    left_opening: Option<Vec<LeftOpening>>,
 }
 
 impl StartScreen {
@@ -58,6 +59,7 @@ impl StartScreen {
         ui.label("Shape from photos under several lamps, without the light between an object's own walls.");
         ui.add_space(16.0);
         self.offer_recovered(ui, session, chosen);
+        self.offer_left_opening(ui, session, chosen);
 
         if ui.add(theme::primary(ui.visuals(), "Open the demo")).clicked() {
             *chosen = Some(Chosen::Open(Open::Demo));
@@ -113,6 +115,44 @@ impl StartScreen {
             found.remove(index);
         }
     }
+
+    /// Sets that were open when a run did not end in order: each may have been why.
+    fn offer_left_opening(&mut self, ui: &mut Ui, session: &mut Session, chosen: &mut Option<Chosen>) {
+        let left = self.left_opening.get_or_insert_with(|| session.file.recovery.left_opening());
+        let mut done = None;
+        let mut offered: Vec<&PathBuf> = Vec::new();
+        for LeftOpening { set, .. } in &*left {
+            if offered.contains(&set) {
+                continue;
+            }
+            offered.push(set);
+            let shown = set.display().to_string();
+            ui.group(|ui| {
+                ui.label(format!("The last run did not end well while {shown} was open."));
+                ui.horizontal(|ui| {
+                    if button_for(ui, "Open", &shown) {
+                        *chosen = Some(Chosen::Open(Open::Set(set.clone())));
+                        done = Some(set.clone());
+                    }
+                    if button_for(ui, "Not now", &shown) {
+                        done = Some(set.clone());
+                    }
+                });
+            });
+            ui.add_space(8.0);
+        }
+        let Some(set) = done else { return };
+        left.iter().filter(|left| left.set == set).for_each(|left| session.file.recovery.forget_opening(left));
+        left.retain(|left| left.set != set);
+        session.forget_last_open(&set);
+    }
+}
+
+/// A button whose name says what it acts on; whether it was pressed.
+fn button_for(ui: &mut Ui, text: &str, object: &str) -> bool {
+    let button = ui.button(text);
+    button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{text}: {object}")));
+    button.clicked()
 }
 
 fn recent(ui: &mut Ui, session: &Session, chosen: &mut Option<Chosen>) {

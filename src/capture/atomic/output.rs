@@ -139,6 +139,7 @@ impl OutputFolder {
             let opened = OpenOptions::new().write(true).open(self.path().join(file));
             opened.and_then(|file| file.sync_all()).map_err(refused(&self.target.join(file)))?;
         }
+        sync_folder(&self.path());
         Ok(files)
     }
 

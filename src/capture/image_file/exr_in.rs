@@ -1,30 +1,36 @@
 //! OpenEXR, by the `exr` crate. Layers are the parts of a file, or prefixes of channel names ("diffuse.R"), or both.
 
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use exr::error::Error as ExrError;
-use exr::image::FlatSamples;
 use exr::meta::header::Header;
-use exr::prelude::{MetaData, ReadChannels, ReadLayers, read as reader};
-use firstbounce_core::Plane;
-use rayon::prelude::*;
+use exr::prelude::{MetaData, Vec2};
 
-use super::read::{Decoded, Source, read_bytes};
+use super::exr_blocks::{Exr, is_bounded};
+use super::head::{Opened, PictureSize, Stated};
+use super::read::{Decoded, Source};
 use super::{Channel, Format, ImageError, StoredRange};
+
+/// The most channels of a file: renderers write some hundred.
+const MAX_CHANNELS: usize = 4096;
+/// The longest name of a layer, as of a channel.
+const MAX_NAME_BYTES: usize = 255;
+/// The most names of layers that an error lists.
+const MAX_NAMES: usize = 20;
 
 /// The names of the layers of an EXR, in the order of the file; a layer without a name is "".
 ///
 /// # Errors
 /// As [`read_image`](super::read_image), and [`ImageError::Unsupported`] for a file of another format.
 pub fn layer_names(path: &Path) -> Result<Vec<String>, ImageError> {
-    let bytes = read_bytes(path)?;
-    let source = Source { path, bytes: &bytes };
-    match source.format()? {
-        Format::Exr => {
-            source.guarded(Format::Exr, || Ok(layers(&headers(&source)?).into_iter().map(|l| l.name).collect()))
-        }
-        other => Err(source.unsupported(other, "no layers")),
+    let mut opened = Opened::open(path)?;
+    let source = opened.source;
+    if opened.format != Format::Exr {
+        return Err(source.unsupported(opened.format, "no layers"));
     }
+    let meta = meta_data(&source, opened.head()?)?;
+    Ok(layers(&meta.headers).into_iter().map(|layer| layer.name).collect())
 }
 
 /// A layer, and where its channels lie in the file.
@@ -35,66 +41,61 @@ struct Layer {
     channels: Vec<(String, usize)>,
 }
 
-pub(super) fn read(source: &Source, wanted: Option<&str>) -> Result<Decoded, ImageError> {
-    let headers = headers(source)?;
-    let layers = layers(&headers);
+/// The largest of its layers, which have three channels unless one alone has fewer.
+pub(super) fn stated(source: &Source, file: impl Read) -> Result<Stated, ImageError> {
+    let meta = meta_data(source, file)?;
+    let layers = layers(&meta.headers);
+    let channels = match layers.as_slice() {
+        [only] => pick_channels(source, only)?.len(),
+        _ => 3,
+    };
+    let sizes = meta.headers.iter().map(|header| header.layer_size);
+    let Vec2(width, height) = sizes.max_by_key(|size| size.0.saturating_mul(size.1)).unwrap_or(Vec2(0, 0));
+    let bounded = meta.headers.iter().all(|header| is_bounded(header.compression));
+    Ok(Stated { size: PictureSize { width, height, channels }, bounded })
+}
+
+pub(super) fn read(source: &Source, bytes: &[u8], wanted: Option<&str>) -> Result<Decoded, ImageError> {
+    let mut file = Cursor::new(bytes);
+    let meta = meta_data(source, &mut file)?;
+    let layers = layers(&meta.headers);
     let layer = choose(source, &layers, wanted)?;
     let picked = pick_channels(source, layer)?;
-    let header = &headers[layer.part];
+    let header = &meta.headers[layer.part];
     if header.shared_attributes.display_window != header.data_window() {
         return Err(source.unsupported(Format::Exr, "a data window that is not its display window"));
     }
-
-    let image = reader()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_buffered(std::io::Cursor::new(source.bytes))
-        .map_err(|error| failed(source, error))?;
-    let missing = || source.damaged(Format::Exr, "a channel of its header is missing");
-    let part = image.layer_data.into_iter().nth(layer.part).ok_or_else(missing)?;
-    let mut stored = part.channel_data.list.into_iter().map(|channel| Some(channel.sample_data)).collect::<Vec<_>>();
-    let channels = picked.into_iter().map(|(name, index)| {
-        let samples = stored.get_mut(index).and_then(Option::take).ok_or_else(missing)?;
-        let plane = Plane::from_vec(part.size.width(), part.size.height(), floats(samples)).ok_or_else(missing)?;
-        Ok((name, plane))
-    });
-    Ok(Decoded { channels: channels.collect::<Result<_, ImageError>>()?, stored: StoredRange { maximum: None } })
+    let (names, indices): (Vec<_>, Vec<_>) = picked.into_iter().unzip();
+    let exr = Exr { source, bytes, meta: &meta, tables: file.position() as usize };
+    let planes = exr.planes(layer.part, &indices)?;
+    Ok(Decoded { channels: names.into_iter().zip(planes).collect(), stored: StoredRange { maximum: None } })
 }
 
-fn floats(samples: FlatSamples) -> Vec<f32> {
-    match samples {
-        FlatSamples::F32(values) => values,
-        FlatSamples::F16(values) => values.into_par_iter().map(|value| value.to_f32()).collect(),
-        FlatSamples::U32(values) => values.into_par_iter().map(|value| value as f32).collect(),
-    }
-}
-
-fn failed(source: &Source, error: ExrError) -> ImageError {
+pub(super) fn failed(source: &Source, error: ExrError) -> ImageError {
     match error {
         ExrError::NotSupported(what) => source.unsupported(Format::Exr, what),
         error => source.damaged(Format::Exr, error),
     }
 }
 
-/// The headers, once it is sure that the pixels of all layers, which are decoded together, may be allocated.
-fn headers(source: &Source) -> Result<Vec<Header>, ImageError> {
-    let meta = MetaData::read_from_buffered(source.bytes, false).map_err(|error| failed(source, error))?;
-    let mut samples = 0_usize;
+fn meta_data(source: &Source, file: impl Read) -> Result<MetaData, ImageError> {
+    let meta = source
+        .guarded(Format::Exr, || MetaData::read_from_buffered(file, false).map_err(|error| failed(source, error)))?;
+    if meta.headers.iter().map(|header| header.channels.list.len()).sum::<usize>() > MAX_CHANNELS {
+        return Err(source.unsupported(Format::Exr, format_args!("more than {MAX_CHANNELS} channels")));
+    }
     for header in &meta.headers {
+        if header.own_attributes.layer_name.as_ref().is_some_and(|name| name.as_slice().len() > MAX_NAME_BYTES) {
+            return Err(source.unsupported(Format::Exr, "a layer of a very long name"));
+        }
         if header.deep {
             return Err(source.unsupported(Format::Exr, "deep pixels"));
         }
         if header.channels.list.iter().any(|channel| channel.sampling.0 != 1 || channel.sampling.1 != 1) {
             return Err(source.unsupported(Format::Exr, "channels of half the size"));
         }
-        let (width, height) = (header.layer_size.width(), header.layer_size.height());
-        samples = samples.saturating_add(width.saturating_mul(height).saturating_mul(header.channels.list.len()));
-        source.check_size(width, height, samples.div_ceil(width.saturating_mul(height).max(1)))?;
     }
-    Ok(meta.headers.into_vec())
+    Ok(meta)
 }
 
 fn layers(headers: &[Header]) -> Vec<Layer> {
@@ -128,7 +129,7 @@ fn choose<'a>(source: &Source, layers: &'a [Layer], wanted: Option<&str>) -> Res
     chosen.ok_or_else(|| ImageError::NoLayer {
         path: source.path.to_path_buf(),
         wanted: wanted.map(str::to_string),
-        present: layers.iter().map(|layer| format!("\"{}\"", layer.name)).collect(),
+        present: layers.iter().take(MAX_NAMES).map(|layer| format!("{:?}", layer.name)).collect(),
     })
 }
 

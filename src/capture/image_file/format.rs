@@ -3,9 +3,8 @@
 use std::fmt;
 use std::path::Path;
 
-use image::ImageFormat;
-
-use super::read::{Decoded, ReadOptions, Source};
+use super::head::{Head, Stated};
+use super::read::{Decoded, Source};
 use super::{ImageError, exr_in, pfm, raster, tiff_in};
 
 /// The file formats that are read.
@@ -34,7 +33,10 @@ struct Row {
     magic: &'static [&'static [u8]],
     /// Whether its values follow the sRGB curve unless care was taken that they do not.
     usually_srgb: bool,
-    read: fn(&Source<'_>, &ReadOptions) -> Result<Decoded, ImageError>,
+    /// What the head says, before the file is read whole.
+    stated: fn(&Source<'_>, Head<'_>) -> Result<Stated, ImageError>,
+    /// The pixels, of the layer of this name where files have layers.
+    read: fn(&Source<'_>, &[u8], Option<&str>) -> Result<Decoded, ImageError>,
 }
 
 impl Format {
@@ -48,42 +50,48 @@ impl Format {
                 extensions: &["png"],
                 magic: &[b"\x89PNG\r\n\x1a\n"],
                 usually_srgb: false,
-                read: |source, _| raster::read(source, Self::Png, ImageFormat::Png),
+                stated: |source, head| raster::stated(source, Self::Png, head),
+                read: |source, bytes, _| raster::read(source, Self::Png, bytes),
             },
             Self::Tiff => Row {
                 name: "TIFF",
                 extensions: &["tif", "tiff"],
                 magic: &[b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"],
                 usually_srgb: false,
-                read: |source, _| tiff_in::read(source),
+                stated: |source, head| tiff_in::stated(source, head),
+                read: |source, bytes, _| tiff_in::read(source, bytes),
             },
             Self::Exr => Row {
                 name: "EXR",
                 extensions: &["exr"],
                 magic: &[b"\x76\x2f\x31\x01"],
                 usually_srgb: false,
-                read: |source, options| exr_in::read(source, options.layer.as_deref()),
+                stated: |source, head| exr_in::stated(source, head),
+                read: exr_in::read,
             },
             Self::Jpeg => Row {
                 name: "JPEG",
                 extensions: &["jpg", "jpeg", "jpe"],
                 magic: &[b"\xff\xd8\xff"],
                 usually_srgb: true,
-                read: |source, _| raster::read(source, Self::Jpeg, ImageFormat::Jpeg),
+                stated: |source, head| raster::stated(source, Self::Jpeg, head),
+                read: |source, bytes, _| raster::read(source, Self::Jpeg, bytes),
             },
             Self::Hdr => Row {
                 name: "HDR",
                 extensions: &["hdr", "pic", "rgbe"],
                 magic: &[b"#?RADIANCE", b"#?RGBE"],
                 usually_srgb: false,
-                read: |source, _| raster::read(source, Self::Hdr, ImageFormat::Hdr),
+                stated: |source, head| raster::stated(source, Self::Hdr, head),
+                read: |source, bytes, _| raster::read(source, Self::Hdr, bytes),
             },
             Self::Pfm => Row {
                 name: "PFM",
                 extensions: &["pfm"],
                 magic: &[b"PF\n", b"PF\r", b"PF ", b"PF\t", b"Pf\n", b"Pf\r", b"Pf ", b"Pf\t"],
                 usually_srgb: false,
-                read: |source, _| pfm::read(source),
+                stated: |source, head| pfm::stated(source, head),
+                read: |source, bytes, _| pfm::read(source, bytes),
             },
         }
     }
@@ -108,8 +116,12 @@ impl Format {
         self.row().usually_srgb
     }
 
-    pub(super) fn read(self, source: &Source<'_>, options: &ReadOptions) -> Result<Decoded, ImageError> {
-        (self.row().read)(source, options)
+    pub(super) fn stated(self, source: &Source<'_>, head: Head<'_>) -> Result<Stated, ImageError> {
+        (self.row().stated)(source, head)
+    }
+
+    pub(super) fn read(self, source: &Source<'_>, bytes: &[u8], layer: Option<&str>) -> Result<Decoded, ImageError> {
+        (self.row().read)(source, bytes, layer)
     }
 
     /// The names of all: "PNG, TIFF, EXR".

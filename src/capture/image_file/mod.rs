@@ -2,15 +2,24 @@
 //!
 //! Reading keeps the values as they are stored ([`read_image`]); [`linearise()`] turns them into linear light and marks
 //! the pixels that must not be used. What a file is, its first bytes decide, never its name.
+//!
+//! A picture may come from anywhere, so it must not be able to end the program, or to take more memory and time than
+//! its size explains. Every size that it states is checked before room is made for it, and its decoder is guarded
+//! ([`guard`](crate::guard)). Decoders that state sizes of their own deep in the pixels (EXR with PIZ or DWA, TIFF with
+//! JPEG or fax) run in a process of their own with a limit of memory and time, see [`decode_in`]; all others (PNG, JPEG,
+//! HDR, PFM, TIFF without compression or with LZW, deflate or PackBits, EXR with anything else) are bounded by what was
+//! checked, and stay in this one.
 
 mod correction;
 mod depth_png;
 mod encoding;
 mod error;
+mod exr_blocks;
 mod exr_in;
 mod exr_out;
 mod find;
 mod format;
+mod head;
 mod linearise;
 mod pfm;
 mod png_out;
@@ -18,6 +27,7 @@ mod raster;
 mod read;
 mod repeats;
 mod samples;
+mod subprocess;
 mod texture;
 mod tiff_in;
 
@@ -32,12 +42,14 @@ pub use encoding::{Channel, Encoding};
 pub use error::ImageError;
 pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
-pub use find::pictures_in;
+pub use find::{MAX_LOOKED_AT, MAX_PICTURES, PicturesFound, pictures_in};
 pub use format::Format;
+pub use head::{PictureSize, picture_size};
 pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
 pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};
 pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
 pub use repeats::{NoiseBin, RepeatNoise};
+pub use subprocess::{DECODE_COMMAND, DecodeLimits, decode_for_parent, decode_in};
 pub use texture::texture_png;
 
 /// What values a file can hold.

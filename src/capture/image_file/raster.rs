@@ -1,32 +1,39 @@
 //! PNG, JPEG and Radiance HDR, by the `image` crate.
 
-use std::io::Cursor;
+use std::io::{BufRead, Cursor, Seek};
 
 use image::error::ImageError as DecodeError;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::read::{BYTE_LIMIT, Decoded, Source};
+use super::head::{PictureSize, Stated};
+use super::read::{Decoded, Source};
 use super::samples::{Layout, split};
 use super::{Format, ImageError, StoredRange};
 
-/// Palettes and fewer than 8 bits come out as 8 bits, 0 and 255 for the two values of a one-bit picture.
-pub(super) fn read(source: &Source, format: Format, image_format: ImageFormat) -> Result<Decoded, ImageError> {
-    let failed = |error: DecodeError| match error {
-        DecodeError::Unsupported(what) => source.unsupported(format, what),
-        error => source.damaged(format, error),
-    };
-    let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(BYTE_LIMIT as u64);
-    let mut reader = ImageReader::with_format(Cursor::new(source.bytes), image_format);
-    reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(failed)?;
-    let (width, height) = decoder.dimensions();
-    let (width, height) = (width as usize, height as usize);
-    let samples_per_pixel = usize::from(decoder.color_type().channel_count());
-    source.check_size(width, height, samples_per_pixel)?;
+/// The most that a colour profile or another text beside the pixels may inflate to.
+const MAX_EXTRA_BYTES: usize = 64 << 20;
 
-    let layout = Layout { width, height, samples_per_pixel, planar: false };
-    let image = DynamicImage::from_decoder(decoder).map_err(failed)?;
+pub(super) fn stated(source: &Source, format: Format, file: impl BufRead + Seek) -> Result<Stated, ImageError> {
+    source
+        .guarded(format, || Ok(Stated { size: size(&decoder(source, format, file, MAX_EXTRA_BYTES)?), bounded: true }))
+}
+
+fn size(decoder: &impl ImageDecoder) -> PictureSize {
+    let (width, height) = decoder.dimensions();
+    let channels = usize::from(decoder.color_type().channel_count());
+    PictureSize { width: width as usize, height: height as usize, channels }
+}
+
+/// Palettes and fewer than 8 bits come out as 8 bits, 0 and 255 for the two values of a one-bit picture.
+pub(super) fn read(source: &Source, format: Format, bytes: &[u8]) -> Result<Decoded, ImageError> {
+    let PictureSize { width, height, channels } = stated(source, format, Cursor::new(bytes))?.size;
+    let pixel_bytes = width.saturating_mul(height).saturating_mul(channels).saturating_mul(size_of::<f32>());
+    let max_bytes = pixel_bytes.saturating_add(MAX_EXTRA_BYTES);
+    let image = source.guarded(format, || {
+        let decoder = decoder(source, format, Cursor::new(bytes), max_bytes)?;
+        DynamicImage::from_decoder(decoder).map_err(|error| failed(source, format, error))
+    })?;
+    let layout = Layout { width, height, samples_per_pixel: channels, planar: false };
     let (channels, maximum) = match &image {
         DynamicImage::ImageRgb32F(pixels) => (split(layout, pixels.as_raw(), |value| value), None),
         DynamicImage::ImageLuma16(pixels) => (split(layout, pixels.as_raw(), f32::from), Some(65535.0)),
@@ -37,4 +44,29 @@ pub(super) fn read(source: &Source, format: Format, image_format: ImageFormat) -
     };
     let channels = channels.ok_or_else(|| source.damaged(format, "pixels are missing at its end"))?;
     Ok(Decoded { channels, stored: StoredRange { maximum } })
+}
+
+fn decoder<'a, R: BufRead + Seek + 'a>(
+    source: &Source,
+    format: Format,
+    file: R,
+    max_bytes: usize,
+) -> Result<impl ImageDecoder + 'a, ImageError> {
+    let image_format = match format {
+        Format::Jpeg => ImageFormat::Jpeg,
+        Format::Hdr => ImageFormat::Hdr,
+        _ => ImageFormat::Png,
+    };
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(max_bytes as u64);
+    let mut reader = ImageReader::with_format(file, image_format);
+    reader.limits(limits);
+    reader.into_decoder().map_err(|error| failed(source, format, error))
+}
+
+fn failed(source: &Source, format: Format, error: DecodeError) -> ImageError {
+    match error {
+        DecodeError::Unsupported(what) => source.unsupported(format, what),
+        error => source.damaged(format, error),
+    }
 }

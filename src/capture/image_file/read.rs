@@ -1,23 +1,26 @@
 //! Reading a picture: what it is, whether it can be true, and which decoder takes it.
 
 use std::fmt::Display;
-use std::fs;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use firstbounce_core::{Mask, Plane};
 use rayon::prelude::*;
 
-use super::{Channel, Format, ImageError, ImageFile, ImageWarning, StoredRange};
+use super::head::{Opened, PictureSize};
+use super::{Channel, Format, ImageError, ImageFile, ImageWarning, StoredRange, subprocess};
+use crate::guard::{Panicked, guarded};
 
 /// The most pixels of a picture: twice the largest camera sensor of today.
 const PIXEL_LIMIT: usize = 300_000_000;
 /// The most bytes that a decoder may take for one picture, and that a file may be long.
 pub(super) const BYTE_LIMIT: usize = 16 * PIXEL_LIMIT;
-/// The best that a decoder's compression does: deflate (1032 : 1) on pixels of one bit.
-const PIXELS_PER_BYTE: usize = 8 * 1032;
+/// The best that a decoder's compression does: deflate (1032 : 1) on samples of one bit.
+const SAMPLES_PER_BYTE: usize = 8 * 1032;
 /// A claim of as many pixels needs no proof.
 const HARMLESS_PIXELS: usize = 4_000_000;
+
+/// The longest that the words of a decoder are told.
+const MAX_REASON_CHARS: usize = 300;
 
 /// What the values mean, and so which of them cannot be true.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,10 +54,14 @@ pub fn read_image(path: &Path) -> Result<ImageFile, ImageError> {
 /// # Errors
 /// As [`read_image`], and [`ImageError::NoLayer`].
 pub fn read_image_as(path: &Path, options: &ReadOptions) -> Result<ImageFile, ImageError> {
-    let bytes = read_bytes(path)?;
-    let source = Source { path, bytes: &bytes };
-    let format = source.format()?;
-    let decoded = source.guarded(format, || format.read(&source, options))?;
+    let mut opened = Opened::open(path)?;
+    let (source, format) = (opened.source, opened.format);
+    let stated = opened.stated()?;
+    let layer = options.layer.as_deref();
+    let decoded = match subprocess::program() {
+        Some(program) if !stated.bounded => subprocess::decode(program, &mut opened, stated.size, layer)?,
+        _ => format.read(&source, &opened.bytes()?, layer)?,
+    };
     let planes = decoded.channels.iter().map(|(_, plane)| plane);
     if decoded.stored.maximum.is_none() {
         refuse_bad_pixels(path, planes, options.content)?;
@@ -87,9 +94,11 @@ pub(super) struct Decoded {
 }
 
 /// The file that is being read.
+#[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub path: &'a Path,
-    pub bytes: &'a [u8],
+    /// Its bytes.
+    pub length: usize,
 }
 
 impl Source<'_> {
@@ -101,28 +110,38 @@ impl Source<'_> {
         ImageError::Unsupported { path: self.path.to_path_buf(), format, what: one_line(what) }
     }
 
+    pub fn unreadable(&self, reason: impl Display) -> ImageError {
+        ImageError::Unreadable { path: self.path.to_path_buf(), reason: one_line(reason) }
+    }
+
+    pub fn too_large(&self, width: usize, height: usize) -> ImageError {
+        ImageError::TooLarge { path: self.path.to_path_buf(), width, height, bytes: self.length }
+    }
+
     /// Refuses, before anything is allocated, what cannot be a picture: no pixels, or more than the file can hold.
-    pub fn check_size(&self, width: usize, height: usize, samples_per_pixel: usize) -> Result<(), ImageError> {
-        let path = self.path.to_path_buf();
-        let plausible = self.bytes.len().saturating_mul(PIXELS_PER_BYTE).clamp(HARMLESS_PIXELS, PIXEL_LIMIT);
-        let samples = width.saturating_mul(height).saturating_mul(samples_per_pixel);
-        if width.saturating_mul(height) > plausible || samples > BYTE_LIMIT / 4 {
-            return Err(ImageError::TooLarge { path, width, height, bytes: self.bytes.len() });
+    pub fn check_size(&self, PictureSize { width, height, channels }: PictureSize) -> Result<(), ImageError> {
+        let plausible = self.length.saturating_mul(SAMPLES_PER_BYTE);
+        let pixels = width.saturating_mul(height);
+        let samples = pixels.saturating_mul(channels);
+        if pixels > plausible.clamp(HARMLESS_PIXELS, PIXEL_LIMIT)
+            || samples > plausible.clamp(4 * HARMLESS_PIXELS, BYTE_LIMIT / 4)
+        {
+            return Err(self.too_large(width, height));
         }
         if samples == 0 {
-            return Err(ImageError::Empty { path });
+            return Err(ImageError::Empty { path: self.path.to_path_buf() });
         }
         Ok(())
     }
 
     /// The format by the first bytes.
-    pub fn format(&self) -> Result<Format, ImageError> {
+    pub fn format(&self, first: &[u8]) -> Result<Format, ImageError> {
         let path = self.path.to_path_buf();
-        if self.bytes.is_empty() {
+        if first.is_empty() {
             return Err(ImageError::Empty { path });
         }
-        Format::of_content(self.bytes).ok_or_else(|| {
-            let first = self.bytes.iter().take(3).map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
+        Format::of_content(first).ok_or_else(|| {
+            let first = first.iter().take(3).map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
             ImageError::NotAnImage { path, first_bytes: first.join(" ") }
         })
     }
@@ -130,24 +149,18 @@ impl Source<'_> {
     /// Decoders meet bytes that nobody meant for them, and hold an `expect` or an index here and there: should one panic,
     /// the file is damaged and the work goes on.
     pub fn guarded<T>(&self, format: Format, decode: impl FnOnce() -> Result<T, ImageError>) -> Result<T, ImageError> {
-        catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| Err(self.damaged(format, "the decoder gave up")))
+        guarded(decode).unwrap_or_else(|Panicked| Err(self.damaged(format, "the decoder gave up")))
     }
 }
 
-pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, ImageError> {
-    let unreadable = |reason: String| ImageError::Unreadable { path: path.to_path_buf(), reason };
-    let facts = fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
-    if !facts.is_file() {
-        return Err(unreadable("it is not a file".into()));
-    }
-    if facts.len() > BYTE_LIMIT as u64 {
-        return Err(unreadable(format!("it is {} bytes long", facts.len())));
-    }
-    fs::read(path).map_err(|error| unreadable(error.to_string()))
-}
-
+/// What a decoder says may quote the file, at any length.
 fn one_line(text: impl Display) -> String {
-    text.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+    let text = text.to_string().replace(char::is_control, " ");
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(MAX_REASON_CHARS) {
+        Some((end, _)) => format!("{} ...", &line[..end]),
+        None => line,
+    }
 }
 
 fn warnings(path: &Path, format: Format, decoded: &Decoded, content: Content) -> Vec<ImageWarning> {
@@ -198,7 +211,7 @@ mod tests {
 
     #[test]
     fn a_decoder_that_panics_is_a_damaged_file() {
-        let source = Source { path: Path::new("left.exr"), bytes: b"" };
+        let source = Source { path: Path::new("left.exr"), length: 0 };
         let result = source.guarded::<()>(Format::Exr, || panic!("a decoder's own bug"));
         assert!(matches!(result, Err(ImageError::Damaged { format: Format::Exr, .. })));
     }

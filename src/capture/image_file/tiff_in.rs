@@ -1,27 +1,30 @@
 //! TIFF, by the `tiff` crate: the `image` crate refuses grey floats.
 
-use std::io::Cursor;
+use std::io::{Cursor, Read, Seek};
 
-use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
+use tiff::tags::{CompressionMethod, Tag};
 use tiff::{ColorType, TiffError};
 
+use super::head::{PictureSize, Stated};
 use super::read::{BYTE_LIMIT, Decoded, Source};
 use super::samples::{Layout, split};
 use super::{Format, ImageError, StoredRange};
 
-/// The first picture of the file, in strips or tiles, interleaved or plane by plane.
-pub(super) fn read(source: &Source) -> Result<Decoded, ImageError> {
-    let failed = |error: TiffError| match error {
-        TiffError::UnsupportedError(what) => source.unsupported(Format::Tiff, what),
-        error => source.damaged(Format::Tiff, error),
-    };
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = BYTE_LIMIT;
-    limits.intermediate_buffer_size = BYTE_LIMIT;
-    let mut decoder = Decoder::new(Cursor::new(source.bytes)).map_err(failed)?.with_limits(limits);
+pub(super) fn stated(source: &Source, file: impl Read + Seek) -> Result<Stated, ImageError> {
+    source.guarded(Format::Tiff, || {
+        let mut decoder = Decoder::new(file).map_err(|error| failed(source, error))?;
+        let size = size(source, &mut decoder)?.0;
+        check_chunks(source, &mut decoder, size)?;
+        Ok(Stated { size, bounded: is_bounded(source, &mut decoder)? })
+    })
+}
+
+/// The size, and the bits of a sample.
+fn size<R: Read + Seek>(source: &Source, decoder: &mut Decoder<R>) -> Result<(PictureSize, u8), ImageError> {
+    let failed = |error| failed(source, error);
     let (width, height) = decoder.dimensions().map_err(failed)?;
-    let (width, height) = (width as usize, height as usize);
-    let (bits, samples_per_pixel) = match decoder.colortype().map_err(failed)? {
+    let (bits, channels) = match decoder.colortype().map_err(failed)? {
         ColorType::Gray(bits @ (1 | 2 | 4)) => (bits, 1),
         ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => (bits, 1),
         ColorType::GrayA(bits @ (8 | 16 | 32 | 64)) => (bits, 2),
@@ -29,11 +32,63 @@ pub(super) fn read(source: &Source) -> Result<Decoded, ImageError> {
         ColorType::RGBA(bits @ (8 | 16 | 32 | 64)) => (bits, 4),
         other => return Err(source.unsupported(Format::Tiff, format_args!("colours of the kind {other:?}"))),
     };
-    source.check_size(width, height, samples_per_pixel)?;
+    Ok((PictureSize { width: width as usize, height: height as usize, channels }, bits))
+}
 
+/// Refuses tiles and samples for which the decoder would make room, and which the file cannot hold: its limits leave
+/// out the row of a tile that it decodes, and the samples of a pixel that it passes over.
+fn check_chunks<R: Read + Seek>(
+    source: &Source,
+    decoder: &mut Decoder<R>,
+    size: PictureSize,
+) -> Result<(), ImageError> {
+    let samples = decoder.find_tag_unsigned::<u16>(Tag::SamplesPerPixel).map_err(|error| failed(source, error))?;
+    let whole = |side: usize, chunk: u32| side.checked_next_multiple_of(chunk as usize).unwrap_or(usize::MAX);
+    let (width, height) = match decoder.get_chunk_type() {
+        ChunkType::Strip => (size.width, size.height),
+        ChunkType::Tile => {
+            let (tile_width, tile_height) = decoder.chunk_dimensions();
+            (whole(size.width, tile_width), whole(size.height, tile_height))
+        }
+    };
+    source.check_size(PictureSize { width, height, channels: size.channels.max(samples.unwrap_or(1).into()) })
+}
+
+/// Whether the compression writes only what there is room for. JPEG and fax have sizes of their own in each strip.
+fn is_bounded<R: Read + Seek>(source: &Source, decoder: &mut Decoder<R>) -> Result<bool, ImageError> {
+    let compression = decoder.find_tag_unsigned(Tag::Compression).map_err(|error| failed(source, error))?;
+    Ok(matches!(
+        compression.map_or(CompressionMethod::None, CompressionMethod::from_u16_exhaustive),
+        CompressionMethod::None
+            | CompressionMethod::LZW
+            | CompressionMethod::Deflate
+            | CompressionMethod::OldDeflate
+            | CompressionMethod::PackBits
+    ))
+}
+
+fn failed(source: &Source, error: TiffError) -> ImageError {
+    match error {
+        TiffError::UnsupportedError(what) => source.unsupported(Format::Tiff, what),
+        error => source.damaged(Format::Tiff, error),
+    }
+}
+
+/// The first picture of the file, in strips or tiles, interleaved or plane by plane.
+pub(super) fn read(source: &Source, bytes: &[u8]) -> Result<Decoded, ImageError> {
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = BYTE_LIMIT;
+    limits.intermediate_buffer_size = BYTE_LIMIT;
     let mut samples = DecodingResult::U8(Vec::new());
-    let buffer = decoder.read_image_to_buffer(&mut samples).map_err(failed)?;
-    let layout = Layout { width, height, samples_per_pixel, planar: buffer.planes > 1 };
+    let (PictureSize { width, height, channels: samples_per_pixel }, bits, planes) =
+        source.guarded(Format::Tiff, || {
+            let failed = |error| failed(source, error);
+            let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(failed)?.with_limits(limits);
+            let (size, bits) = size(source, &mut decoder)?;
+            check_chunks(source, &mut decoder, size)?;
+            Ok((size, bits, decoder.read_image_to_buffer(&mut samples).map_err(failed)?.planes))
+        })?;
+    let layout = Layout { width, height, samples_per_pixel, planar: planes > 1 };
     let integer = |bits: u8| Some((u64::MAX >> (64 - bits)) as f32);
     let (channels, maximum) = match &samples {
         DecodingResult::U8(s) if bits < 8 => (split(layout, &unpacked(s, width, bits), f32::from), integer(bits)),

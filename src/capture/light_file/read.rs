@@ -5,6 +5,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use super::{LightFile, LightFileError, LightFileProblem, LightLine};
+use crate::open::{OpenError, read_text};
 
 impl LightFile {
     /// Reads a light file. Blank lines and lines that begin with `#` are passed over; line ends of every system, a byte
@@ -14,11 +15,14 @@ impl LightFile {
     /// The path, the line, and what is wrong there.
     pub fn read(path: &Path) -> Result<Self, LightFileError> {
         let at = |line, problem| LightFileError { path: path.to_owned(), line, problem };
-        let bytes = std::fs::read(path)
-            .map_err(|error| at(None, LightFileProblem::Unreadable { reason: error.to_string() }))?;
-        let text = std::str::from_utf8(&bytes).ok().filter(|text| !text.contains('\0'));
-        let text = text.ok_or_else(|| at(None, LightFileProblem::NotText))?;
-        Self::parse(text).map_err(|(line, problem)| at(line, problem))
+        let text = read_text(path).map_err(|error| match error {
+            OpenError::NotText => at(None, LightFileProblem::NotText),
+            error => at(None, LightFileProblem::Unreadable { reason: error.to_string() }),
+        })?;
+        if text.contains('\0') {
+            return Err(at(None, LightFileProblem::NotText));
+        }
+        Self::parse(&text).map_err(|(line, problem)| at(line, problem))
     }
 
     /// Reads the text of a light file; an error comes with its line.

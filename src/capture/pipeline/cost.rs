@@ -1,10 +1,12 @@
 //! What a stage costs: time and memory.
 
+use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
 
 use super::Stage;
+use crate::open::read_text;
 
 /// The cost of one stage of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -36,7 +38,7 @@ impl StageCost {
 
 /// The most memory that this process has held, in bytes; `None` where the system does not tell (Linux does).
 pub fn peak_rss_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let status = read_text(Path::new("/proc/self/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)

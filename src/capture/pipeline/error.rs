@@ -15,6 +15,7 @@ use firstbounce_core::stereo::normals::NormalsError;
 use firstbounce_core::stereo::shape::ShapeError;
 use thiserror::Error;
 
+use super::MemoryShortage;
 use crate::atomic::WriteError;
 use crate::image_file::ImageError;
 use crate::mesh_file::MeshFileError;
@@ -38,6 +39,9 @@ pub enum PipelineError {
     /// Output.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// Memory.
+    #[error("{0}: close other programs or crop the photos")]
+    Memory(#[from] MemoryShortage),
     /// The set has no light.
     #[error("the set has no light: add a [[light]] and its shots to capture.toml")]
     NoLights,

@@ -5,6 +5,7 @@ mod compare;
 mod cost;
 mod error;
 mod evaluate;
+mod memory;
 mod methods;
 mod photos;
 mod reconstruct;
@@ -23,6 +24,9 @@ pub use compare::{Compared, ReferenceError, Registration, alignment_warnings, co
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, MethodErrors, NayarErrors, NayarIteration, NormalErrors, evaluate};
+pub use memory::{
+    MemoryEstimate, MemoryOptions, MemoryShortage, Work, check_memory, estimate_memory, free_memory_bytes,
+};
 pub use methods::{
     AlbedoScale, Found, Input, Method, MethodReport, NayarSolved, Needs, OnShape, denoise_lights, separate_lights,
 };

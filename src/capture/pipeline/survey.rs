@@ -6,6 +6,7 @@ use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::{Mask, Photo, Plane};
 use rayon::prelude::*;
 
+use super::memory::{check_group, free_memory_bytes};
 use super::{PhotoStore, PipelineError, PipelineWatch};
 use crate::image_file::{LinearLight, read_mask};
 use crate::set::{CaptureSet, Shot, Subject};
@@ -55,21 +56,27 @@ pub fn region_of(set: &CaptureSet, shot: &Shot, mask: Option<&Mask>, size: (usiz
 }
 
 /// Looks at every photo, each file once; by shot, in the order of the set. One line says why a photo cannot be read,
-/// and the others are looked at all the same.
+/// and the others are looked at all the same. A photo for which memory lacks is not decoded.
 ///
 /// # Errors
 /// [`PipelineError::Cancelled`] alone.
 pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Vec<Result<Exposed, String>>, PipelineError> {
     let mask = set.mask.as_ref().and_then(|written| read_mask(&set.resolve(written)).ok());
-    let shots: Vec<&Shot> = set.shots.iter().collect();
-    let seen: Vec<_> = shots.iter().map(|_| Mutex::new(None)).collect();
+    // A photo for which memory lacks is told so, and not decoded.
+    let available_bytes = free_memory_bytes();
+    let room =
+        |shot: &&Shot| check_group(set, &shot.files, 1, available_bytes).map_err(|shortage| shortage.to_string());
+    let room: Vec<_> = set.shots.par_iter().map(|shot| room(&shot)).collect();
+    let fits: Vec<usize> = (0..set.shots.len()).filter(|&index| room[index].is_ok()).collect();
+    let shots: Vec<&Shot> = fits.iter().map(|&index| &set.shots[index]).collect();
+    let seen: Vec<_> = room.into_iter().map(|room| Mutex::new(room.err().map(Err))).collect();
     PhotoStore::default().visit(set, &shots, watch, &|index, light| {
         let exposed = |light: &Arc<LinearLight>| {
             let region = region_of(set, shots[index], mask.as_ref(), light.photo.linear.size());
             Exposed::of(&light.photo, region.as_ref())
         };
         let outcome = light.as_ref().map(exposed).map_err(ToString::to_string);
-        *seen[index].lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
+        *seen[fits[index]].lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
     })?;
     Ok(seen.into_iter().filter_map(|seen| seen.into_inner().unwrap_or_else(PoisonError::into_inner)).collect())
 }

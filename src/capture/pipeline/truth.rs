@@ -6,8 +6,9 @@ use firstbounce_core::mesh::{MeshOptions, from_depth};
 use firstbounce_core::stereo::depth::DepthOptions;
 use firstbounce_core::{Mask, Mesh, NormalMap, Plane};
 
-use super::{PipelineError, camera_of};
+use super::{MemoryOptions, PipelineError, Work, camera_of, check_memory};
 use crate::image_file::{Content, ImageFile, ReadOptions, read_image_as};
+use crate::open::read_text;
 use crate::set::CaptureSet;
 
 /// The true surface of a set: its true depth, where it also has a true normal, joined as the results are.
@@ -17,12 +18,13 @@ use crate::set::CaptureSet;
 /// integration of normals believes, so no result is torn by the same rule.
 ///
 /// # Errors
-/// `NoTruth` for a set without true depth and normals; a file that cannot be read, or of another size; no triangle.
+/// `NoTruth` for a set without true depth and normals, `Memory` for one that takes more than is free; a file that cannot be read, or of another size; no triangle.
 pub fn truth_mesh(set: &CaptureSet) -> Result<Mesh, PipelineError> {
     let path = set.truth_depth();
     if !path.is_file() {
         return Err(PipelineError::NoTruth { what: "depth", path });
     }
+    check_memory(set, Work::Truth, &MemoryOptions::default())?;
     let depth = plane_of(read_truth(&path)?)?;
     let (width, height) = depth.size();
     let normals = true_normals(&set.truth_normals(), depth.size())?;
@@ -34,7 +36,7 @@ pub fn truth_mesh(set: &CaptureSet) -> Result<Mesh, PipelineError> {
 
 /// The light of a white facet that faces the first lamp, as a rendered set was made with; `None` where nothing tells.
 pub(super) fn true_white_light(set: &CaptureSet) -> Option<f64> {
-    let text = std::fs::read_to_string(set.truth_normals().with_file_name("rig.json")).ok()?;
+    let text = read_text(&set.truth_normals().with_file_name("rig.json")).ok()?;
     let rig: serde_json::Value = serde_json::from_str(&text).ok()?;
     rig.get("radiance_to_linear")?.as_f64().filter(|light| *light > 0.0)
 }

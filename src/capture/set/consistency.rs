@@ -205,8 +205,7 @@ impl CaptureSet {
     fn check_left_out(&self, problems: &mut Vec<Problem>) {
         let lights: Vec<&str> = self.lights.iter().map(|light| light.name.as_str()).collect();
         for name in &self.shape.leave_out {
-            let unknown = unknown_name(Location::Shape, "light", Some(name), &lights);
-            problems.extend(unknown.map(|problem| Problem { key: Some("leave_out".into()), ..problem }));
+            check_known(Location::Shape, "leave_out", "light", name, &lights, problems);
         }
     }
 

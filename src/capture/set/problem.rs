@@ -1,9 +1,11 @@
 //! Problems of a capture set, and where they are.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
-use std::{fmt, io};
 
 use thiserror::Error;
+
+use crate::open::OpenError;
 
 /// The part of a capture set that a problem belongs to; indices count from 0 in the order of the set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -113,8 +115,8 @@ pub enum SetError {
     Read {
         /// The path as given, or the capture.toml in it.
         path: PathBuf,
-        /// What the system said.
-        reason: io::Error,
+        /// Why not.
+        reason: OpenError,
     },
     /// The folder is no capture set.
     #[error("{}: no capture.toml in this folder", folder.display())]

@@ -1,8 +1,6 @@
 //! Reads the text of a capture set file.
 
 use std::collections::HashSet;
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use toml_edit::{Document, Item, TableLike};
@@ -13,15 +11,13 @@ use super::number::{Number, vector_words};
 use super::problem::{Location, Problem, SetError};
 use super::rule::{POINT, one_of};
 use super::word::Word;
+use crate::open::{MAX_TEXT_BYTES, OpenError, read_file};
 
 /// The name of the file in a capture set's folder.
 pub const FILE_NAME: &str = "capture.toml";
 
 /// The one version of the format.
 pub(super) const SCHEMA: usize = 1;
-
-/// A hundred thousand shots fit; a picture given by mistake is refused before it fills the memory.
-const LARGEST_FILE_BYTES: u64 = 32 << 20;
 
 /// A set as far as it could be read, and everything that is wrong with it.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,20 +51,13 @@ impl CaptureSet {
 /// The path of the set file that `path` means and its text.
 pub(super) fn read_text(path: &Path) -> Result<(PathBuf, String), SetError> {
     let path = if path.is_dir() { path.join(FILE_NAME) } else { path.to_owned() };
-    let read = || {
-        let mut bytes = Vec::new();
-        File::open(&path)?.take(LARGEST_FILE_BYTES + 1).read_to_end(&mut bytes)?;
-        Ok(bytes)
-    };
-    let bytes = read().map_err(|reason: io::Error| match path.parent() {
-        Some(folder) if reason.kind() == io::ErrorKind::NotFound && folder.is_dir() && path.ends_with(FILE_NAME) => {
+    let bytes = read_file(&path, MAX_TEXT_BYTES).map_err(|reason| match (&reason, path.parent()) {
+        (OpenError::TooLong { max_bytes }, _) => SetError::TooLarge { path: path.clone(), limit_bytes: *max_bytes },
+        (_, Some(folder)) if reason.is_not_found() && folder.is_dir() && path.ends_with(FILE_NAME) => {
             SetError::NoSetFile { folder: folder.to_owned() }
         }
         _ => SetError::Read { path: path.clone(), reason },
     })?;
-    if bytes.len() as u64 > LARGEST_FILE_BYTES {
-        return Err(SetError::TooLarge { path, limit_bytes: LARGEST_FILE_BYTES });
-    }
     match String::from_utf8(bytes) {
         Ok(text) => Ok((path, text)),
         Err(error) => {

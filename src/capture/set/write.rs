@@ -1,12 +1,12 @@
 //! Writes a capture set, into a new text or into the one it came from.
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
 use toml_edit::{DocumentMut, Table, Value};
 
 use crate::atomic::{WriteError, write_kept_file};
+use crate::open::read_text;
 
 use super::edit::{edit_subtable, edit_table, edit_tables, inline, list, put, put_or_remove, put_unless_default};
 use super::model::*;
@@ -35,10 +35,10 @@ impl CaptureSet {
     /// Saves the set in its folder, in place of the file there whose comments and layout it keeps.
     pub fn save(&self) -> Result<(), WriteError> {
         let path = self.file_path();
-        let text = match std::fs::read_to_string(&path) {
+        let text = match read_text(&path) {
             Ok(old_text) => update_text(&old_text, self),
-            Err(reason) if reason.kind() == ErrorKind::NotFound => self.to_toml(),
-            Err(reason) => return Err(WriteError::Refused { path, reason }),
+            Err(reason) if reason.is_not_found() => self.to_toml(),
+            Err(reason) => return Err(WriteError::Refused { path, reason: reason.into() }),
         };
         write_kept_file(&path, text.as_bytes())
     }

@@ -59,7 +59,7 @@ impl Panel for Calibrate {
             part(ui, "highlights", |ui| self.highlights.ui(ui, session, &measured.calibrated));
         }
         let in_force = self.in_force(session);
-        let balls_say = measured.as_deref().map(|measured| &measured.calibrated);
+        let balls_say = measured.as_deref().map(|measured| &*measured.calibrated);
         part(ui, "values", |ui| values::ui(ui, session, &in_force, balls_say));
         part(ui, "dome", |ui| ui.collapsing("Lights on a dome", |ui| dome::ui(ui, set, &in_force)));
         if let Some(measured) = &measured {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui::Ui;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::light_file::LightFile;
-use firstbounce_capture::pipeline::{PipelineError, Preference, calibrate};
+use firstbounce_capture::pipeline::{MemoryOptions, PipelineError, Preference, Work, calibrate, check_memory};
 use firstbounce_capture::set::Calibration;
 
 use crate::app::base::dialogs::Choose;
@@ -44,6 +44,7 @@ impl OtherRig {
         if let Some(path) = chosen.into_iter().next().or(pressed.then(|| typed.into())) {
             let task = session.jobs.start("Calibrate the other set", move |job| {
                 let set = CaptureSet::open(path)?;
+                check_memory(&set, Work::Calibrate, &MemoryOptions::default())?;
                 let calibrated = calibrate(&set, Preference::File, job)?;
                 let values = calibrated.values(&set);
                 Ok::<_, PipelineError>((set, values))

@@ -48,8 +48,12 @@ impl Incoming {
         Self { files, pattern, subject: Subject::Object, rgb, by_hand: HashMap::new(), in_order: None }
     }
 
-    pub fn take_more(&mut self, files: Vec<PathBuf>) {
-        let new: Vec<_> = files.into_iter().filter(|file| !self.files.contains(file)).collect();
+    pub fn is_empty(&self) -> bool {
+        self.files.is_empty()
+    }
+
+    pub fn take_more(&mut self, more: Self) {
+        let new: Vec<_> = more.files.into_iter().filter(|file| !self.files.contains(file)).collect();
         self.files.extend(new);
     }
 

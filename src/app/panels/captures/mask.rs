@@ -12,6 +12,7 @@ use firstbounce_core::Mask;
 use firstbounce_core::image::mask::Combine;
 
 use crate::app::base::dialogs::Choose;
+use crate::app::base::keyed::Keyed;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::ShotName;
 use crate::app::state::session::Session;
@@ -40,6 +41,8 @@ enum Tool {
 /// The mask part of the panel.
 pub struct MaskPart {
     path: PathField,
+    /// The mask that was chosen, while it is read.
+    reading: Keyed<PathBuf, ()>,
     draft: Option<Draft>,
     tool: Tool,
     combine: Combine,
@@ -60,6 +63,7 @@ impl Default for MaskPart {
     fn default() -> Self {
         Self {
             path: PathField::default(),
+            reading: Keyed::default(),
             draft: None,
             tool: Tool::None,
             combine: Combine::Add,
@@ -84,10 +88,16 @@ impl MaskPart {
         let dialogs = session.dialogs();
         let chosen = self.path.ui(ui, "Mask file", Choose::Pictures, &dialogs, &mut session.jobs);
         if let Some(path) = chosen.into_iter().next() {
-            match read_mask(&document.set.resolve(&path.to_string_lossy())) {
-                Ok(_) => session.edit("Choose mask", |document| document.set.mask = Some(document.set.written(&path))),
-                Err(error) => session.error(error.to_string()),
+            let picture = document.set.resolve(&path.to_string_lossy());
+            let task = session.jobs.start("Read the mask", move |_| read_mask(&picture).map(drop));
+            self.reading.start(path, task);
+        }
+        match self.reading.take() {
+            Some((path, Ok(_))) => {
+                session.edit("Choose mask", |document| document.set.mask = Some(document.set.written(&path)));
             }
+            Some((_, Err(error))) => session.error(error.to_string()),
+            None => {}
         }
         match &self.draft {
             None if ui.button("Draw a mask").clicked() => self.begin(session),

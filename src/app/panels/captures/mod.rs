@@ -8,14 +8,18 @@ mod names;
 mod shot;
 mod table;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use eframe::egui::{RichText, Ui};
-use firstbounce_capture::image_file::{Format, pictures_in};
+use firstbounce_capture::image_file::{Format, MAX_LOOKED_AT, MAX_PICTURES, pictures_in};
 use firstbounce_capture::set::Location;
+
+use incoming::Incoming;
+use thiserror::Error;
 
 use super::Panel;
 use crate::app::base::dialogs::Choose;
+use crate::app::base::jobs::Task;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{ShotName, StageState, Step};
 use crate::app::state::session::Session;
@@ -28,22 +32,38 @@ use crate::app::widgets::path_field::PathField;
 #[derive(Default)]
 pub struct Captures {
     add: PathField,
-    incoming: Option<incoming::Incoming>,
+    /// Searches for pictures in what was dropped.
+    searches: Vec<Task<Found>>,
+    incoming: Option<Incoming>,
     table: table::Table,
     camera: camera::CameraPart,
     mask: mask::MaskPart,
     selected: Option<ShotName>,
 }
 
+/// A search that the user stopped.
+#[derive(Debug, Error)]
+#[error("the search for pictures was cancelled")]
+struct SearchCancelled;
+
+/// What a search found.
+struct Found {
+    pictures: Incoming,
+    /// Files that were named and are none.
+    others: Vec<PathBuf>,
+    is_cut_off: bool,
+}
+
 impl Panel for Captures {
     fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
+        self.take_found(session);
         let document = session.document();
         if !document.set.shots.is_empty() || session.editor.path().is_file() {
             part(ui, "problems", |ui| problems(ui, session));
         }
         part(ui, "add", |ui| self.add_files(ui, session));
         if document.set.shots.is_empty() {
-            if self.incoming.is_some() {
+            if self.incoming.is_some() || !self.searches.is_empty() {
                 return;
             }
             advice(
@@ -71,22 +91,48 @@ impl Panel for Captures {
 }
 
 impl Captures {
-    /// Files and folders that were dropped on the window, or chosen in a dialog.
+    /// Files and folders that were dropped on the window, or chosen in a dialog: the pictures in them are looked for off this
+    /// thread, for a folder may be a whole disk.
     pub fn dropped(&mut self, paths: Vec<PathBuf>, session: &mut Session) {
-        let (files, others): (Vec<_>, Vec<_>) =
-            pictures_in(&paths).into_iter().partition(|file| Format::of_name(file).is_some());
+        self.searches.push(session.jobs.start("Look for pictures", move |job| {
+            let found = pictures_in(&paths, job).ok_or(SearchCancelled)?;
+            let (pictures, others) = found.files.into_iter().partition(|file| Format::of_name(file).is_some());
+            Ok::<_, SearchCancelled>(Found { pictures: Incoming::new(pictures), others, is_cut_off: found.is_cut_off })
+        }));
+    }
+
+    fn take_found(&mut self, session: &mut Session) {
+        let ended: Vec<_> = self.searches.iter().map(Task::poll).collect();
+        let mut is_open = ended.iter().map(Option::is_none);
+        self.searches.retain(|_| is_open.next().unwrap_or_default());
+        for outcome in ended.into_iter().flatten() {
+            match outcome {
+                Ok(found) => self.take(found, session),
+                Err(error) => session.error(error.to_string()),
+            }
+        }
+    }
+
+    fn take(&mut self, found: Found, session: &mut Session) {
         let read = format!("{} files are read", Format::names());
-        if files.is_empty() {
+        if found.is_cut_off {
+            session.warn(format!(
+                "There are more than {MAX_PICTURES} pictures, or more than {MAX_LOOKED_AT} files and folders, in what was \
+                 dropped; the others are left out: drop less at a time"
+            ));
+        }
+        if found.pictures.is_empty() {
             session.warn(format!("There is no picture in what was dropped: {read}"));
             return;
         }
-        if let Some(first) = others.first() {
-            let more = if others.len() > 1 { format!(" and {} more", others.len() - 1) } else { String::new() };
+        if let Some(first) = found.others.first() {
+            let count = found.others.len();
+            let more = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
             session.warn(format!("{}{more}: left out, {read}", first.display()));
         }
         match &mut self.incoming {
-            Some(incoming) => incoming.take_more(files),
-            None => self.incoming = Some(incoming::Incoming::new(files)),
+            Some(incoming) => incoming.take_more(found.pictures),
+            None => self.incoming = Some(found.pictures),
         }
     }
 

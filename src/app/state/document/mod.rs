@@ -2,6 +2,7 @@
 
 mod disk;
 mod editor;
+mod opening;
 mod recovery;
 mod reference;
 mod settings;
@@ -14,6 +15,7 @@ use firstbounce_capture::pipeline::{Method, SolveOptions};
 pub use disk::{DiskWatch, SaveError, VIEW_FILE, relocated};
 pub(crate) use disk::{kept_view, read_view, write_view};
 pub use editor::Editor;
+pub use opening::LeftOpening;
 pub use recovery::{Recovered, Recovery, save_everything_now};
 pub use reference::{Pose, Poses, ReferenceSettings, ReferenceSource};
 pub use settings::{NayarSettings, Settings};

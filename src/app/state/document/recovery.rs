@@ -1,4 +1,5 @@
-//! Recovery after a crash: the unsaved document, in a folder of this run that is locked while the run lives.
+//! Recovery after a crash: the unsaved document, in a folder of this run that is locked while the run lives; and the note of a
+//! set that is being opened.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -8,6 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use firstbounce_capture::atomic::write_file;
+use firstbounce_capture::open::{MAX_TEXT_BYTES, open_file, read_text};
 use serde::{Deserialize, Serialize};
 
 use super::{Document, Settings};
@@ -33,7 +35,7 @@ pub struct Recovered {
 #[derive(Debug)]
 pub struct Recovery {
     root: PathBuf,
-    folder: PathBuf,
+    pub(super) folder: PathBuf,
     noted: Sender<()>,
     stays: AtomicBool,
     /// Held, not read: its lock says that this run lives.
@@ -58,15 +60,20 @@ impl Recovery {
 
     /// Documents that earlier runs did not get to save, with the folders that keep them.
     pub fn found(&self) -> Vec<(PathBuf, Recovered)> {
-        let folders = fs::read_dir(&self.root).into_iter().flatten().flatten().map(|entry| entry.path());
-        let abandoned = |folder: &PathBuf| {
-            *folder != self.folder && File::open(folder.join(LOCK)).is_ok_and(|file| file.try_lock().is_ok())
-        };
         let read = |folder: PathBuf| {
-            let text = fs::read_to_string(folder.join(DOCUMENT)).ok()?;
+            let text = read_text(&folder.join(DOCUMENT)).ok()?;
             Some((folder, serde_json::from_str(&text).ok()?))
         };
-        folders.filter(abandoned).filter_map(read).collect()
+        self.abandoned().filter_map(read).collect()
+    }
+
+    /// The folders of runs that live no more.
+    pub(super) fn abandoned(&self) -> impl Iterator<Item = PathBuf> {
+        let folders = fs::read_dir(&self.root).into_iter().flatten().flatten().map(|entry| entry.path());
+        folders.filter(|folder| {
+            let lock = || open_file(&folder.join(LOCK), MAX_TEXT_BYTES);
+            *folder != self.folder && lock().is_ok_and(|(file, _)| file.try_lock().is_ok())
+        })
     }
 
     /// Leaves what was noted to the next run: this one must end, and the user did not ask for it.
@@ -75,10 +82,19 @@ impl Recovery {
         save_everything_now();
     }
 
-    /// Forgets what an earlier run kept.
+    /// Forgets the document that an earlier run kept.
     pub fn discard(&self, folder: &Path) {
-        // What cannot be removed is offered again: bearable.
-        let _ = fs::remove_dir_all(folder);
+        self.forget(folder, DOCUMENT);
+    }
+
+    /// Removes one thing that an earlier run left, and its folder when nothing is left but the lock. What cannot be removed
+    /// is offered again: bearable.
+    pub(super) fn forget(&self, run: &Path, name: &str) {
+        let _ = fs::remove_file(run.join(name));
+        let others = fs::read_dir(run).into_iter().flatten().flatten();
+        if others.filter(|entry| entry.file_name() != LOCK).count() == 0 {
+            let _ = fs::remove_dir_all(run);
+        }
     }
 
     /// Notes the document as it is, for the panic hook. `None` when all is saved.
@@ -111,7 +127,7 @@ impl Drop for Recovery {
         if std::thread::panicking() || self.stays.load(Ordering::Relaxed) {
             return;
         }
-        self.note(None);
+        UNSAVED.lock().unwrap_or_else(PoisonError::into_inner).take_if(|(place, _)| place.starts_with(&self.folder));
         let _ = fs::remove_dir_all(&self.folder);
     }
 }

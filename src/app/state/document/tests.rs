@@ -1,11 +1,13 @@
 use std::fs::File;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use tempfile::tempdir;
 
 use firstbounce_capture::set::ShapeSettings;
 
 use super::*;
+
+mod beside;
 
 const SET: &str = "schema = 1\nname = \"Vase\"\n";
 
@@ -149,6 +151,27 @@ fn a_crash_leaves_the_unsaved_document_to_the_next_run_and_an_orderly_end_leaves
         panic!("as a bug would");
     }));
     assert!(panicked.is_err() && own.join("document.json").is_file());
+}
+
+#[test]
+fn only_a_run_that_lives_no_more_left_a_set_opening() {
+    let root = tempdir().unwrap();
+    let (one, other) = (Recovery::new(root.path().to_owned()), Recovery::new(root.path().to_owned()));
+    one.note_opening(Path::new("/sets/one"));
+    assert_eq!(other.left_opening(), [], "a run that lives opens its own set");
+    let killed = root.path().join("1");
+    std::fs::create_dir(&killed).unwrap();
+    for name in ["lock", "document.json"] {
+        std::fs::write(killed.join(name), "").unwrap();
+    }
+    std::fs::write(killed.join("opening.json"), "{\"set\":\"/sets/two\"}").unwrap();
+    let left = other.left_opening();
+    assert_eq!(left, one.left_opening());
+    assert_eq!(left, [LeftOpening { set: "/sets/two".into(), run: killed.clone() }]);
+    other.forget_opening(&left[0]);
+    assert!(other.left_opening().is_empty() && killed.join("document.json").is_file());
+    other.discard(&killed);
+    assert!(!killed.exists());
 }
 
 #[test]

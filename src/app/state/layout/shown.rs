@@ -131,9 +131,9 @@ impl Shown {
     pub fn by_method(&self) -> Option<Method> {
         match self {
             Self::DirectBy { method, .. } => Some(*method),
-            Self::Normals(when) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => match when {
+            Self::Normals(when) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => match *when {
                 SurfaceName::Before | SurfaceName::AFTER => None,
-                SurfaceName::After(method) => Some(*method),
+                SurfaceName::After(method) => Some(method),
             },
             Self::Difference(a, b) => a.by_method().or_else(|| b.by_method()),
             _ => None,

@@ -178,6 +178,41 @@ fn a_run_that_is_killed_while_it_puts_old_files_back_leaves_that_to_the_next() {
     }
 }
 
+/// Whether strace is here and may trace.
+#[cfg(target_os = "linux")]
+fn can_trace() -> bool {
+    Command::new("strace").args(["-f", "-qq", "-o", "/dev/null", "true"]).status().is_ok_and(|status| status.success())
+}
+
+/// Runs the process that commits, and has the system kill it at a call; whether it was killed.
+#[cfg(target_os = "linux")]
+fn killed_at(call: &str, number: usize, target: &Path) -> bool {
+    let mut process = Command::new("strace");
+    process.args(["-f", "-qq", "-o", "/dev/null", "-e", &format!("trace={call}")]);
+    process.args(["-e", &format!("inject={call}:signal=SIGKILL:when={number}")]).arg(std::env::current_exe().unwrap());
+    process.args(["--exact", "atomic::tests::killed::a_process_that_is_killed"]).env(TARGET, target).env(COMMITS, "");
+    !process.output().unwrap().status.success()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn killed_at_any_change_of_the_disk_a_run_leaves_the_old_files_or_the_new_ones() {
+    if !can_trace() {
+        return eprintln!("skipped: strace is not here or may not trace");
+    }
+    let calls = ["rename", "renameat2", "linkat", "unlink", "unlinkat", "rmdir", "mkdir", "fsync", "flock"];
+    for (mine, call) in [Contents::new(), of_the_user()].iter().flat_map(|mine| calls.map(|call| (mine, call))) {
+        for number in 1.. {
+            let place = prepared(mine);
+            let was_killed = killed_at(call, number, &place.path().join("out"));
+            assert_next_run_works(place.path(), mine);
+            if !was_killed {
+                break;
+            }
+        }
+    }
+}
+
 #[test]
 fn a_new_folder_is_there_whole_or_not_at_all() {
     for number in 1.. {

@@ -28,6 +28,12 @@ pub enum MeshProblem {
         /// What the system says.
         reason: String,
     },
+    /// More bytes than are read of a mesh.
+    #[error("is longer than {} MiB; export the mesh with fewer triangles", max_bytes >> 20)]
+    TooLong {
+        /// The most that is read.
+        max_bytes: u64,
+    },
     /// No bytes.
     #[error("is empty")]
     EmptyFile,

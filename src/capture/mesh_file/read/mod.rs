@@ -1,6 +1,7 @@
 //! Reads a scan: OBJ, PLY or STL, told apart by what the file contains.
 
 mod clean;
+mod contents;
 mod error;
 mod obj;
 mod own;
@@ -16,6 +17,8 @@ use serde::{Deserialize, Serialize};
 
 pub use error::{MeshError, MeshProblem, MeshWarning};
 pub use sniff::MeshFormat;
+
+use crate::guard::{Panicked, guarded};
 
 use own::Header;
 
@@ -86,20 +89,25 @@ pub fn read_mesh(path: &Path, scale: LengthScale) -> Result<MeshFile, MeshError>
     if path.is_dir() {
         return Err(at_path(MeshProblem::Directory));
     }
-    let bytes =
-        std::fs::read(path).map_err(|source| at_path(MeshProblem::Unreadable { reason: source.to_string() }))?;
+    let bytes = contents::read(path, &extension).map_err(at_path)?;
     mesh_from_bytes(&bytes, &extension, scale).map_err(at_path)
 }
 
 /// Reads a mesh from the contents of a file; `extension` (lower case, no dot) is only compared with what they are.
 fn mesh_from_bytes(bytes: &[u8], extension: &str, scale: LengthScale) -> Result<MeshFile, MeshProblem> {
-    let format = sniff::sniff(bytes, extension)?;
-    let raw = match format {
-        MeshFormat::Obj => obj::parse(bytes)?,
-        MeshFormat::Ply => ply::parse(bytes)?,
-        MeshFormat::StlText => stl::parse_text(bytes)?,
-        MeshFormat::StlBinary => stl::parse_binary(bytes)?,
-    };
+    let start = &bytes[..bytes.len().min(sniff::START_BYTES)];
+    let format = sniff::sniff(start, bytes.len() as u64, extension)?;
+    let raw = guarded(|| match format {
+        MeshFormat::Obj if !sniff::has_obj_line(bytes) => {
+            Err(MeshProblem::UnknownFormat { looks_like: "a text without any vertex" })
+        }
+        MeshFormat::Obj => obj::parse(bytes),
+        MeshFormat::Ply => ply::parse(bytes),
+        MeshFormat::StlText => stl::parse_text(bytes),
+        MeshFormat::StlBinary => stl::parse_binary(bytes),
+    });
+    let gave_up = |Panicked| MeshProblem::Malformed { format, reason: "its reader gave up".to_owned() };
+    let raw = raw.map_err(gave_up)??;
     let (mut mesh, mut warnings) = clean::clean(raw, scale)?;
     let header = Header::of(bytes, format);
     if header.in_pixels && scale == LengthScale::default() {

@@ -6,6 +6,9 @@ use super::MeshProblem;
 pub(super) const STL_HEADER: usize = 84;
 pub(super) const STL_TRIANGLE: usize = 50;
 
+/// The first bytes, which tell a mesh from other files.
+pub(super) const START_BYTES: usize = 4096;
+
 /// A format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
@@ -56,38 +59,40 @@ const STRANGERS: [(&[u8], &str); 8] = [
     (b"Kaydara FBX", "an FBX file"),
 ];
 
-/// What the file is; the extension decides only where a cut-off binary STL could be anything.
-pub(super) fn sniff(bytes: &[u8], extension: &str) -> Result<MeshFormat, MeshProblem> {
-    if bytes.is_empty() {
+/// What a file of `length` bytes is that begins with `start`, of at most [`START_BYTES`]; the extension decides only where a
+/// cut-off binary STL could be anything.
+pub(super) fn sniff(start: &[u8], length: u64, extension: &str) -> Result<MeshFormat, MeshProblem> {
+    if start.is_empty() {
         return Err(MeshProblem::EmptyFile);
     }
-    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+    if start.starts_with(b"ply\n") || start.starts_with(b"ply\r") {
         return Ok(MeshFormat::Ply);
     }
     // Many binary STL files begin with "solid" too, so their length is asked first.
-    if stl_triangles(bytes).is_some_and(|count| bytes.len() == STL_HEADER + count * STL_TRIANGLE) {
+    if stl_triangles(start).is_some_and(|count| length == (STL_HEADER + count * STL_TRIANGLE) as u64) {
         return Ok(MeshFormat::StlBinary);
     }
-    let start = &bytes[..bytes.len().min(4096)];
     // Comments may be in any encoding, but no text holds a zero byte.
     let is_text = !start.contains(&0);
     if is_text && start.trim_ascii_start().starts_with(b"solid") {
         return Ok(MeshFormat::StlText);
     }
-    if let Some((_, looks_like)) = STRANGERS.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+    if let Some((_, looks_like)) = STRANGERS.iter().find(|(magic, _)| start.starts_with(magic)) {
         return Err(MeshProblem::UnknownFormat { looks_like });
     }
     if is_text {
-        let is_obj_line = |line: &[u8]| line.starts_with(b"v ") || line.starts_with(b"v\t") || line.starts_with(b"f ");
-        return match bytes.split(|&byte| byte == b'\n').any(|line| is_obj_line(line.trim_ascii_start())) {
-            true => Ok(MeshFormat::Obj),
-            false => Err(MeshProblem::UnknownFormat { looks_like: "a text without any vertex" }),
-        };
+        return Ok(MeshFormat::Obj);
     }
     match extension {
         "stl" => Ok(MeshFormat::StlBinary),
         _ => Err(MeshProblem::UnknownFormat { looks_like: "none of the mesh formats that can be read" }),
     }
+}
+
+/// Whether any line of a text is one of an OBJ's.
+pub(super) fn has_obj_line(bytes: &[u8]) -> bool {
+    let is_obj_line = |line: &[u8]| line.starts_with(b"v ") || line.starts_with(b"v\t") || line.starts_with(b"f ");
+    bytes.split(|&byte| byte == b'\n').any(|line| is_obj_line(line.trim_ascii_start()))
 }
 
 /// The number of triangles that a binary STL of these bytes would have.

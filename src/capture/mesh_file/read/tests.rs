@@ -293,7 +293,10 @@ proptest! {
         }
         match mesh_from_bytes(&bytes, extension, MM) {
             Ok(file) => prop_assert_eq!(file.mesh.fault(), None),
-            Err(problem) => prop_assert_eq!(problem.to_string().lines().count(), 1, "{}", problem),
+            Err(problem) => {
+                let text = problem.to_string();
+                prop_assert!(text.lines().count() == 1 && !text.contains("gave up"), "{}", text);
+            }
         }
     }
 }

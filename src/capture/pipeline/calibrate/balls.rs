@@ -24,7 +24,7 @@ impl BallPhotos {
         watch: &dyn PipelineWatch,
     ) -> Result<Self, PipelineError> {
         let mut photos = IndexMap::new();
-        for subject in needed(set, preference).into_iter().filter_map(|kind| set.subject_with(kind)) {
+        for subject in needed_subjects(set, preference) {
             if !photos.contains_key(&subject) {
                 photos.insert(subject, Arc::new(load_subject(set, subject, store, watch)?));
             }
@@ -48,6 +48,15 @@ pub(super) fn needed(set: &CaptureSet, preference: Preference) -> Vec<SphereKind
         (direction, SphereKind::Mirror),
     ];
     balls.into_iter().filter(|(needed, _)| *needed).map(|(_, kind)| kind).collect()
+}
+
+/// The subjects whose photos show the balls that have to be looked at, each once.
+pub(in crate::pipeline) fn needed_subjects(set: &CaptureSet, preference: Preference) -> Vec<Subject> {
+    let kinds = needed(set, preference).into_iter();
+    let mut subjects: Vec<_> = kinds.filter_map(|kind| set.subject_with(kind)).collect();
+    subjects.sort_unstable();
+    subjects.dedup();
+    subjects
 }
 
 /// A ball, its photos and its circle.

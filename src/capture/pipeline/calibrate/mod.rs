@@ -14,6 +14,7 @@ use balls::BallPhotos;
 use super::{PhotoStore, PipelineError, PipelineWatch, Stage};
 use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
 
+pub(in crate::pipeline) use balls::needed_subjects;
 pub use verdict::{DirectionDoubt, Evidence, Verdict};
 
 /// Where a value comes from.

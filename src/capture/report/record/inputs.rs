@@ -1,14 +1,14 @@
 //! The files that a run was computed from, by their SHA-256: whether a result is of the files that lie there now.
 
-use std::fs::File;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::io::Read;
+use std::path::Path;
 
 use indexmap::IndexMap;
 use rayon::prelude::*;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use crate::open::{OpenError, open_file};
 use crate::set::CaptureSet;
 
 /// A file that was read.
@@ -42,12 +42,16 @@ impl InputRecord {
     }
 }
 
-fn hashed(path: &Path) -> io::Result<(String, u64)> {
-    // A pipe would wait for ever.
-    if !path.metadata()?.is_file() {
-        return Err(io::ErrorKind::InvalidInput.into());
+fn hashed(path: &Path) -> Result<(String, u64), OpenError> {
+    let (mut file, _) = open_file(path, u64::MAX)?;
+    let (mut hash, mut bytes) = (Sha256::new(), 0);
+    let mut block = vec![0; 1 << 16];
+    loop {
+        let count = file.read(&mut block)?;
+        if count == 0 {
+            return Ok((hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect(), bytes));
+        }
+        hash.update(&block[..count]);
+        bytes += count as u64;
     }
-    let mut hash = Sha256::new();
-    let bytes = io::copy(&mut File::open(PathBuf::from(path))?, &mut hash)?;
-    Ok((hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect(), bytes))
 }

@@ -11,8 +11,8 @@ use proptest::test_runner::RngSeed;
 
 use super::{FULL, parse};
 use crate::set::{
-    Calibration, Camera, CaptureSet, Circle, Colour, Encoding, Light, Projection, Reading, Separation, Shot, Sphere,
-    Subject, Truth, Word, update_text, write_calibration,
+    Calibration, Camera, CaptureSet, Circle, Colour, Encoding, Light, Projection, Reading, Separation, ShapeSettings,
+    Shot, Sphere, Subject, Truth, Word, update_text, write_calibration,
 };
 
 fn word<W: Word + std::fmt::Debug>() -> impl Strategy<Value = W> {

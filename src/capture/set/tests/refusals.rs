@@ -70,7 +70,11 @@ fn unknown_keys_are_refused_everywhere() {
 #[test]
 fn wrong_types_are_refused() {
     refuses_here("name = \"Every part\"", "name = 7", &["name: expected a text, found 7"]);
-    refuses_here("white_level = 65535", "white_level = \"max\"", &["white_level: expected a number, found \"max\""]);
+    refuses_here(
+        "white_level = 65535",
+        "white_level = \"max\"",
+        &["white_level: expected a number from 1e-9 to 1000000000, found \"max\""],
+    );
     refuses_here("bounces = 2", "bounces = 2.0", &["expected a whole number", "found 2.0"]);
     refuses_here("bounces = 2", "bounces = -1", &["expected a whole number", "found -1"]);
     refuses_here("files = [\"object", "files = [1, \"object", &["[[shot]] files: expected a list of file paths"]);

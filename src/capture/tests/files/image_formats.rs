@@ -9,6 +9,7 @@ use firstbounce_core::Plane;
 use image::{DynamicImage, ImageFormat};
 use tiff::encoder::Compression;
 
+use crate::codecs::tiff_of_tags;
 use crate::pictures::*;
 
 const PIXELS: usize = (WIDTH * HEIGHT) as usize;

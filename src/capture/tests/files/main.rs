@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
+mod codecs;
 mod hostile_images;
 mod image_errors;
 mod image_formats;

@@ -62,44 +62,6 @@ pub fn rgb32f_tiff(values: &[f32]) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// An uncompressed little-endian TIFF written tag by tag: `(tag, type, values)`, the pixels behind the directory.
-pub fn tiff_of_tags(mut tags: Vec<(u16, u16, Vec<u32>)>, pieces: &[Vec<u8>], offsets_tag: u16) -> Vec<u8> {
-    tags.push((offsets_tag, 4, vec![0; pieces.len()]));
-    tags.sort_by_key(|tag| tag.0);
-    let size = |kind: u16| if kind == 3 { 2 } else { 4 };
-    let directory_end = 8 + 2 + 12 * tags.len() + 4;
-    let long: usize = tags.iter().map(|(_, kind, v)| v.len() * size(*kind)).filter(|&length| length > 4).sum();
-    let mut pixels_at = directory_end + long;
-    for tag in &mut tags {
-        if tag.0 == offsets_tag {
-            for (offset, piece) in tag.2.iter_mut().zip(pieces) {
-                *offset = pixels_at as u32;
-                pixels_at += piece.len();
-            }
-        }
-    }
-    let mut bytes = b"II*\0\x08\0\0\0".to_vec();
-    bytes.extend((tags.len() as u16).to_le_bytes());
-    let mut behind = Vec::new();
-    for (tag, kind, values) in &tags {
-        let mut data: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()[..size(*kind)].to_vec()).collect();
-        bytes.extend(tag.to_le_bytes());
-        bytes.extend(kind.to_le_bytes());
-        bytes.extend((values.len() as u32).to_le_bytes());
-        if data.len() > 4 {
-            bytes.extend(((directory_end + behind.len()) as u32).to_le_bytes());
-            behind.extend(data);
-        } else {
-            data.resize(4, 0);
-            bytes.extend(data);
-        }
-    }
-    bytes.extend([0; 4]);
-    bytes.extend(behind);
-    bytes.extend(pieces.concat());
-    bytes
-}
-
 pub fn pfm(magic: &str, values: &[f32], little_endian: bool) -> Vec<u8> {
     let row = values.len() / HEIGHT as usize;
     let mut bytes = format!("{magic}\n{WIDTH} {HEIGHT}\n{}\n", if little_endian { "-1.0" } else { "1.0" }).into_bytes();

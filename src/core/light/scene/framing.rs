@@ -121,8 +121,8 @@ mod tests {
     use nalgebra::Point3;
 
     use super::*;
-    use crate::options::OptionError;
     use crate::light::scene::Shape;
+    use crate::options::OptionError;
 
     #[test]
     fn a_framed_surface_fills_the_picture_and_stays_inside() {

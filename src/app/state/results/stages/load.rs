@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
-    ObjectLevels, ObjectPhotos, PhotoStore, PipelineError, ShotLight, SubjectPhotos, file_warnings,
+    MemoryOptions, ObjectLevels, ObjectPhotos, PhotoStore, PipelineError, ShotLight, SubjectPhotos, Work as MemoryWork,
+    check_memory, file_warnings,
 };
 use firstbounce_capture::set::{Projection, Shot, Subject};
 use firstbounce_core::{Photo, Plane};
@@ -116,6 +117,7 @@ fn pictures(loaded: &Loaded) -> Batch {
 }
 
 fn load(set: &CaptureSet, store: &PhotoStore, job: &Job) -> Result<Loaded, StageError> {
+    check_memory(set, MemoryWork::Window, &MemoryOptions::default()).map_err(PipelineError::from)?;
     let shots: Vec<&Shot> = set.shots.iter().collect();
     let lights = store.read(set, &shots, job)?;
     store.keep_only(set);

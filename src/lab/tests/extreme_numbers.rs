@@ -7,12 +7,12 @@ use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::simulate::{BallOptions, SimulateOptions, simulate, write_simulated};
 use firstbounce_capture::pipeline::{
     Method, PipelineError, Preference, SolveOptions, Solved, Unattended, calibrate, solve,
 };
 use firstbounce_capture::set::{Encoding, Number, Projection, Reading};
 use firstbounce_core::{Plane, Unwatched};
+use firstbounce_lab::simulate::{BallOptions, SimulateOptions, simulate, write_simulated};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use tempfile::TempDir;
@@ -247,7 +247,7 @@ fn outcome(text: &str) -> Result<Solved, String> {
 
 fn run(set: &CaptureSet) -> Result<Solved, PipelineError> {
     calibrate(set, Preference::Balls, &Unattended)?;
-    solve(set, &SolveOptions { method: Method::Bounces, ..SolveOptions::default() }, &Unattended)
+    solve(set, &SolveOptions { method: Method::Colours, ..SolveOptions::default() }, &Unattended)
 }
 
 fn is_finite(plane: &Plane) -> bool {
