@@ -76,10 +76,11 @@ fn a_page_a_heat_map_and_a_simulated_set_replace_no_link() {
     symlink(outside.join("heat.ply"), set.join("heat.ply")).unwrap();
     symlink(&outside, set.join("folder")).unwrap();
     fs::create_dir_all(place.path().join("simulated/truth")).unwrap();
+    fs::write(place.path().join("simulated/truth/rig.json"), "{}").unwrap();
     symlink(&outside, place.path().join("simulated/object")).unwrap();
     let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nf 1 2 3\nf 2 4 3\n";
     fs::write(place.path().join("a.obj"), mesh).unwrap();
-    let simulate = ["simulate", "corner", "--pixels", "16", "--patches", "200", "--ball-pixels", "16"];
+    let simulate = ["simulate", "corner", "--pixels", "32", "--patches", "200", "--ball-pixels", "32"];
     for arguments in [
         vec!["paper", "--size", "16", "--out", "paper.html"],
         vec!["paper", "--size", "16", "--out", "tiny/folder/paper.html"],

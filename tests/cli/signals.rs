@@ -75,7 +75,8 @@ fn the_first_ctrl_c_cancels_in_order_whatever_runs_long() {
 fn set_of_many_shots(place: &Path) {
     let mut file = std::fs::File::create(place.join("capture.toml")).unwrap();
     writeln!(file, "schema = 1\n\n[camera]\nprojection = \"orthographic\"\n\n[[colour]]\nname = \"blue\"").unwrap();
-    for light in 0..2000 {
+    // As many lights as a set may have, with long names.
+    for light in (0..1000).map(|light| format!("{light:060}")) {
         writeln!(file, "\n[[light]]\nname = \"{light}\"").unwrap();
         writeln!(
             file,

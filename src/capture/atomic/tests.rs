@@ -127,6 +127,31 @@ fn a_retired_file_goes_with_the_commit_and_stays_without_it() {
     assert_eq!(fs::read(folder.path().join("mesh.obj")).unwrap(), b"new");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_folder_that_is_exchanged_keeps_its_permissions() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    let place = tempfile::tempdir().unwrap();
+    let target = place.path().join("out");
+    let write = |text: &str| {
+        let output = OutputFolder::stage(&target).unwrap();
+        for name in ["a.exr", "inner/b.exr"] {
+            fs::write(output.file(name).unwrap(), text).unwrap();
+        }
+        output.commit().unwrap();
+    };
+    write("old");
+    let folders = [target.clone(), target.join("inner")];
+    folders.iter().for_each(|folder| fs::set_permissions(folder, Permissions::from_mode(0o750)).unwrap());
+    let before = fs::metadata(&target).unwrap().ino();
+    write("new");
+    for folder in &folders {
+        assert_eq!(fs::metadata(folder).unwrap().mode() & 0o777, 0o750);
+    }
+    assert_eq!(fs::read(target.join("inner/b.exr")).unwrap(), b"new");
+    assert_eq!(before != fs::metadata(&target).unwrap().ino(), cfg!(any(target_os = "linux", target_vendor = "apple")));
+}
+
 #[test]
 fn a_commit_that_fails_midway_puts_the_old_files_back() {
     let folder = tempfile::tempdir().unwrap();

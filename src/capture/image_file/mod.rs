@@ -30,6 +30,7 @@ mod samples;
 mod subprocess;
 mod texture;
 mod tiff_in;
+mod tiff_tags;
 
 use std::fmt;
 use std::path::PathBuf;

@@ -9,9 +9,15 @@ use tiff::{ColorType, TiffError};
 use super::head::{PictureSize, Stated};
 use super::read::{BYTE_LIMIT, Decoded, Source};
 use super::samples::{Layout, split};
+use super::tiff_tags::longest_text;
 use super::{Format, ImageError, StoredRange};
 
-pub(super) fn stated(source: &Source, file: impl Read + Seek) -> Result<Stated, ImageError> {
+pub(super) fn stated(source: &Source, mut file: impl Read + Seek) -> Result<Stated, ImageError> {
+    let longest_text = longest_text(&mut file).map_err(|error| source.damaged(Format::Tiff, error))?;
+    if longest_text > Limits::default().decoding_buffer_size as u64 {
+        return Err(source.damaged(Format::Tiff, "a text that would not fit into memory"));
+    }
+    file.rewind().map_err(|error| source.unreadable(error))?;
     source.guarded(Format::Tiff, || {
         let mut decoder = Decoder::new(file).map_err(|error| failed(source, error))?;
         let size = size(source, &mut decoder)?.0;

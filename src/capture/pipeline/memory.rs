@@ -138,7 +138,7 @@ pub fn estimate_memory(set: &CaptureSet, work: Work) -> MemoryEstimate {
         calibration_bytes: PHOTO_BYTES * balls.photo_pixels() + (100 + 10 * lights) * balls.pixels(),
         stages_bytes: match work {
             Work::Truth => 500 * object.pixels(),
-            _ => (200 + (20 + 8 * bounces) * lights) * object.pixels(),
+            _ => (215 + (20 + 8 * bounces) * lights) * object.pixels(),
         },
     };
     if work == Work::Window {
@@ -241,19 +241,19 @@ impl Group {
     }
 }
 
-/// Memory that this process may still take: what the system has free, or what the limits of its control groups leave. `None`
-/// where the system does not tell.
+/// Memory that this process may take: what the system has free, or what the limits of its control groups leave; with what it
+/// holds already, for results of before give way to new ones. `None` where the system does not tell.
 pub fn free_memory_bytes() -> Option<u64> {
     let memory = RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram());
     let mut system = System::new_with_specifics(memory).ok()?;
-    let of_groups = get_current_pid().ok().and_then(|own| {
-        system.refresh_processes_specifics(ProcessesToUpdate::Some(&[own]), false, ProcessRefreshKind::nothing());
-        let limits = system.process(own)?.cgroup_limits()?;
-        // Files that the system keeps count as used there, and are given back.
-        Some(limits.total_memory.saturating_sub(limits.rss))
-    });
-    let free = system.available_memory();
-    (free > 0).then(|| free.min(of_groups.unwrap_or(free)))
+    let free = Some(system.available_memory()).filter(|free| *free > 0)?;
+    let Ok(id) = get_current_pid() else { return Some(free) };
+    let of_process = ProcessRefreshKind::nothing().with_memory();
+    system.refresh_processes_specifics(ProcessesToUpdate::Some(&[id]), false, of_process);
+    let Some(own) = system.process(id) else { return Some(free) };
+    // Files that the system keeps count as used in a group, and are given back.
+    let left = own.cgroup_limits().map(|limits| limits.total_memory.saturating_sub(limits.rss));
+    Some(free.min(left.unwrap_or(free)) + own.memory())
 }
 
 /// "21.4 GB"
@@ -295,7 +295,7 @@ mod tests {
         let (_folder, set) = set();
         let solve = estimate_memory(&set, Work::Solve);
         assert_eq!(solve.kept_bytes, PROGRAM_BYTES + 5 * 5000);
-        assert_eq!(solve.stages_bytes, (200 + 28) * 5000);
+        assert_eq!(solve.stages_bytes, (215 + 28) * 5000);
         assert!(solve.decoding_bytes > (8 + 19) * 5000);
         assert!(estimate_memory(&set, Work::Window).peak_bytes() > solve.peak_bytes());
         assert_eq!(estimate_memory(&set, Work::Calibrate).peak_bytes(), PROGRAM_BYTES, "it has no ball");

@@ -145,6 +145,8 @@ pub fn damaged() -> Vec<(&'static str, Vec<u8>)> {
         ("samples.tif", grey_tiff(8, &[(277, 65_535), (262, 2), (256, 60_000), (257, 60)], pixels())),
         ("width.tif", grey_tiff(8, &[(256, u32::MAX)], pixels())),
         ("size.tif", grey_tiff(8, &[(256, u32::MAX), (257, u32::MAX)], pixels())),
+        // Text in place of a number, longer than the file.
+        ("text.tif", patched(grey_tiff(8, &[(259, 1)], pixels()), &[3, 1], 0, &[2, 0, 0xff, 0xff, 0xff, 0x7f])),
         ("rows.tif", grey_tiff(8, &[(278, 1)], pixels())),
         ("jpeg.tif", grey_tiff(8, &[(259, 7)], patched(jpeg(), &[0xff, 0xc0], 3, &[0xff; 4]))),
     ]);

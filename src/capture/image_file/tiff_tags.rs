@@ -1,0 +1,67 @@
+//! The directory of a TIFF, read over before its decoder reads it.
+
+use std::io::{self, Read, Seek, SeekFrom};
+
+/// The number of a tag's type that is text.
+const TEXT: u64 = 2;
+
+/// The longest text of the first directory, in bytes as it is stated. The decoder prints a line of its own to standard
+/// error for one beyond its limit.
+///
+/// # Errors
+/// What the system says, the end of the file among it; and for a type that TIFF does not have.
+pub(super) fn longest_text(mut file: impl Read + Seek) -> io::Result<u64> {
+    let low_first = number(&mut file, 2, true)? == u64::from(u16::from_le_bytes(*b"II"));
+    let mut number = |bytes: usize, at: Option<u64>| {
+        at.map(|at| file.seek(SeekFrom::Start(at))).transpose()?;
+        number(&mut file, bytes, low_first)
+    };
+    let is_big = number(2, None)? == 43;
+    let (word, first) = if is_big { (8, 8) } else { (4, 4) };
+    let directory = number(word, Some(first))?;
+    let entries = number(if is_big { 8 } else { 2 }, Some(directory))?;
+    let mut longest = 0;
+    for _ in 0..entries {
+        let (_tag, kind) = (number(2, None)?, number(2, None)?);
+        // The decoder skips too few bytes of a big entry of an unknown type, and would see others than are seen here.
+        if is_big && !matches!(kind, 1..=13 | 16..=18) {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "a tag has no type"));
+        }
+        let (count, _value) = (number(word, None)?, number(word, None)?);
+        longest = if kind == TEXT { count.max(longest) } else { longest };
+    }
+    Ok(longest)
+}
+
+fn number(file: &mut impl Read, bytes: usize, low_first: bool) -> io::Result<u64> {
+    let mut value = [0; 8];
+    if low_first {
+        file.read_exact(&mut value[..bytes])?;
+        return Ok(u64::from_le_bytes(value));
+    }
+    file.read_exact(&mut value[8 - bytes..])?;
+    Ok(u64::from_be_bytes(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+
+    #[test]
+    fn the_longest_text_is_found_in_both_byte_orders_and_sizes() {
+        let little = b"II*\0\x08\0\0\0\x02\0\x00\x01\x04\0\x01\0\0\0\x05\0\0\0\x0e\x01\x02\0\x09\0\0\0\0\0\0\0\0\0\0\0";
+        assert_eq!(longest_text(Cursor::new(little)).unwrap(), 9);
+        let big = [
+            b"MM\0+\0\x08\0\0".as_slice(),
+            &16_u64.to_be_bytes(),
+            &1_u64.to_be_bytes(),
+            b"\x01\x0e\0\x02",
+            &(1_u64 << 40).to_be_bytes(),
+            &[0; 8],
+        ];
+        assert_eq!(longest_text(Cursor::new(big.concat())).unwrap(), 1 << 40);
+        assert!(longest_text(Cursor::new(b"II*\0\xff\0\0\0")).is_err());
+    }
+}
