@@ -1,8 +1,8 @@
 //! The files that a run was computed from, by their SHA-256: whether a result is of the files that lie there now.
 
 use std::fs::File;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::io::{self, Read};
+use std::path::Path;
 
 use indexmap::IndexMap;
 use rayon::prelude::*;
@@ -10,6 +10,9 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::set::CaptureSet;
+
+/// Read at a time: a file may be larger than the memory.
+const CHUNK_BYTES: usize = 1 << 16;
 
 /// A file that was read.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -47,7 +50,15 @@ fn hashed(path: &Path) -> io::Result<(String, u64)> {
     if !path.metadata()?.is_file() {
         return Err(io::ErrorKind::InvalidInput.into());
     }
-    let mut hash = Sha256::new();
-    let bytes = io::copy(&mut File::open(PathBuf::from(path))?, &mut hash)?;
+    let mut file = File::open(path)?;
+    let (mut hash, mut bytes, mut chunk) = (Sha256::new(), 0, vec![0; CHUNK_BYTES]);
+    loop {
+        let read = file.read(&mut chunk)?;
+        if read == 0 {
+            break;
+        }
+        hash.update(&chunk[..read]);
+        bytes += read as u64;
+    }
     Ok((hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect(), bytes))
 }
