@@ -84,7 +84,8 @@ fn clip_and_negative_zebra() {
 
 #[test]
 fn marks_and_mask() {
-    let mark = |i: usize| if i % 7 == 0 { photo::CLIPPED } else { photo::DARK * u8::from(i % 5 == 0) };
+    let mark =
+        |i: usize| if i.is_multiple_of(7) { photo::CLIPPED } else { photo::DARK * u8::from(i.is_multiple_of(5)) };
     let marks = Marks::from_fn(SIZE.0, SIZE.1, |x, y| mark(y * SIZE.0 + x));
     let mask = Mask::from_fn(SIZE.0, SIZE.1, |x, y| x.abs_diff(45) + y.abs_diff(30) < 28);
     let source = value(light(6)).with_marks(CanvasMarks::new(marks)).unwrap();

@@ -12,8 +12,11 @@ use crate::tiny_set;
 /// A second, and room for a machine that has other work.
 const AT_ONCE: Duration = Duration::from_secs(4);
 
+/// Puts something into the place of a file.
+type Put = fn(&Path);
+
 /// What may stand in the place of a file.
-const STRANGERS: [(&str, fn(&Path)); 4] = [
+const STRANGERS: [(&str, Put); 4] = [
     ("a pipe", pipe),
     ("a device without an end", |path| symlink("/dev/zero", path).unwrap()),
     ("a file without an end", |path| File::create(path).unwrap().set_len(1 << 42).unwrap()),

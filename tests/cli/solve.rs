@@ -123,7 +123,7 @@ fn shape_settings_of_the_file_count_and_flags_go_before_them() {
     assert!(unsolved(&report) > unsolved(&default), "{} {}", unsolved(&report), unsolved(&default));
 
     let line = firstbounce(place.path(), ["solve", "tiny", "--shadow-share", "1.5"]).failure().to_owned();
-    assert!(line.contains("[shape] shadow_share: expected a share from 0 and below 1, found 1.5"), "{line}");
+    assert!(line.contains("[shape] shadow_share: expected a number from 0 to 0.99, found 1.5"), "{line}");
 }
 
 #[test]

@@ -6,7 +6,9 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use super::error::{WriteError, refused};
-use crate::set::FILE_NAME;
+
+/// The name of the file in a capture set's folder: what lies beside it came with the set.
+pub const FILE_NAME: &str = "capture.toml";
 
 /// As many as systems follow.
 const MAX_LINKS: usize = 40;

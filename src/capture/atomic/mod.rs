@@ -17,5 +17,5 @@ mod tests;
 
 pub use error::WriteError;
 pub use file::{kept_file_is_there, write_file, write_kept_file, write_new_file};
-pub use links::{is_plain_file, refuse_links};
+pub use links::{FILE_NAME, is_plain_file, refuse_links};
 pub use output::{OutputFolder, OutputRules};

@@ -24,6 +24,9 @@ pub enum Format {
     Pfm,
 }
 
+/// Decodes the bytes of a file, of the layer of this name where files have layers.
+type ReadBytes = fn(&Source<'_>, &[u8], Option<&str>) -> Result<Decoded, ImageError>;
+
 /// All that is asked of a format.
 struct Row {
     name: &'static str,
@@ -35,8 +38,7 @@ struct Row {
     usually_srgb: bool,
     /// What the head says, before the file is read whole.
     stated: fn(&Source<'_>, Head<'_>) -> Result<Stated, ImageError>,
-    /// The pixels, of the layer of this name where files have layers.
-    read: fn(&Source<'_>, &[u8], Option<&str>) -> Result<Decoded, ImageError>,
+    read: ReadBytes,
 }
 
 impl Format {

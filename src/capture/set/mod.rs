@@ -24,13 +24,14 @@ mod write;
 #[cfg(test)]
 mod tests;
 
+pub use crate::atomic::FILE_NAME;
 pub use consistency::{CLOSEST_BETA, MAX_COLOURS, MAX_LIGHTS};
 pub use guess::{Became, Guess, GuessOptions, Pattern, PatternError, add_files, assign, propose};
 pub use model::*;
 pub use number::Number;
 pub use number::{is_vector, vector_words};
 pub use problem::{Location, Problem, SetError, TextPosition};
-pub use read::{FILE_NAME, Reading};
+pub use read::Reading;
 pub use rig::CarriedRig;
 pub(crate) use rule::is_usable_name;
 pub use table::{ShotCell, ShotRow, ShotTable};

@@ -11,10 +11,8 @@ use super::number::{Number, vector_words};
 use super::problem::{Location, Problem, SetError};
 use super::rule::{POINT, one_of};
 use super::word::Word;
+use crate::atomic::FILE_NAME;
 use crate::open::{MAX_TEXT_BYTES, OpenError, read_file};
-
-/// The name of the file in a capture set's folder.
-pub const FILE_NAME: &str = "capture.toml";
 
 /// The one version of the format.
 pub(super) const SCHEMA: usize = 1;

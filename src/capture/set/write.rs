@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 use toml_edit::{DocumentMut, Table, Value};
 
-use crate::atomic::{WriteError, write_kept_file};
+use crate::atomic::{FILE_NAME, WriteError, write_kept_file};
 use crate::open::read_text;
 
 use super::edit::{edit_subtable, edit_table, edit_tables, inline, list, put, put_or_remove, put_unless_default};
 use super::model::*;
 use super::problem::SetError;
-use super::read::{FILE_NAME, ORTHOGRAPHIC, PERSPECTIVE, Reading, SCHEMA};
+use super::read::{ORTHOGRAPHIC, PERSPECTIVE, Reading, SCHEMA};
 use super::word::Word;
 
 /// Keys that every new file has even at their defaults, so that its reader need not know these.

@@ -40,7 +40,7 @@ impl Histogram {
         let plot = Plot::new("ratios").height(150.0).allow_drag(false).allow_zoom(false).allow_scroll(false);
         ui.label("Pixels by their ratio to the reference colour");
         let response = plot.show(ui, |plot| {
-            plot.bar_chart(chart(&bars, "pixels"));
+            plot.bar_chart(chart(bars, "pixels"));
             plot.vline(VLine::new("value", ratio.value));
         });
         let words = format!(

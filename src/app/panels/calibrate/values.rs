@@ -57,7 +57,7 @@ fn beta(
     let typed = set.calibration.beta.is_some();
     let was = measured.and_then(|measured| measured.beta.as_ref()?.get(c));
     let verdict = in_force.judge_beta(set, c);
-    match number(ui, Number::Beta, &label, (&label, &meaning), known, was, typed, verdict) {
+    match number(ui, (Number::Beta, &label), (&label, &meaning), known, was, typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
             let old = in_force.beta.as_deref().map(values).unwrap_or_else(|| vec![1.0; colours]);
@@ -88,7 +88,7 @@ fn alpha(
     let was = measured.and_then(of);
     let typed = set.calibration.alpha.contains_key(light);
     let verdict = in_force.judge_alpha(l, c);
-    match number(ui, Number::Alpha, &label, (&shown, &meaning), known.as_ref(), was.as_ref(), typed, verdict) {
+    match number(ui, (Number::Alpha, &label), (&shown, &meaning), known.as_ref(), was.as_ref(), typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
             let old = in_force.alpha.get(l).and_then(Option::as_deref).map(values);
@@ -108,7 +108,7 @@ fn intensity(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
     let typed = set.calibration.intensity.contains_key(light);
     let meaning = "This lamp's intensity in the reference colour over that of the first light";
     let (known, verdict) = (in_force.intensity.get(l), in_force.judge_intensity(l));
-    match number(ui, Number::Intensity, &label, ("intensity", meaning), known, None, typed, verdict) {
+    match number(ui, (Number::Intensity, &label), ("intensity", meaning), known, None, typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             document.set.calibration.intensity.insert(light.clone(), value);
         }),
@@ -158,8 +158,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
 /// One number with its interval, and below it verdict, source and the way back.
 fn number(
     ui: &mut Ui,
-    what: Number,
-    label: &str,
+    (what, label): (Number, &str),
     (shown, meaning): (&str, &str),
     known: Option<&Known<f64>>,
     measured: Option<&Known<f64>>,

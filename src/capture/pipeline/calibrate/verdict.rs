@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn calibrate_and_separate_judge_one_gain_alike() {
         let mut set =
-            CaptureSet::open(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/demo")).unwrap();
+            CaptureSet::open(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/demo")).unwrap();
         set.separation.bounces = Some(2);
         for (gain, level) in [
             (5.0, Level::Fine),

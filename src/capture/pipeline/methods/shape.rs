@@ -8,7 +8,7 @@ use super::super::calibrate::Source;
 use super::super::watch::Part;
 use super::super::{Calibrated, Direct, Known, PipelineError, PipelineWatch, Preference, Separated, Stage, calibrate};
 use super::{Found, Input, MethodReport, Needs, OnShape, Row};
-use crate::set::{Calibration, CaptureSet};
+use crate::set::{Calibration, CaptureSet, Number};
 
 /// A shape that leaves more than this share of the light unexplained is worth a warning.
 const POOR_RESIDUAL: f64 = 0.1;
@@ -140,9 +140,8 @@ fn photographed_white_light(
 ) -> Result<Known<f64>, PipelineError> {
     let given = scale.white_light.or(scale.grey_albedo.is_none().then_some(set.calibration.white_light).flatten());
     if let Some(value) = given {
-        let possible = value > 0.0 && value.is_finite();
-        let refused = PipelineError::Scale { what: "white_light", value, expected: "a positive number" };
-        return if possible { Ok(Known::from_file(value)) } else { Err(refused) };
+        let refused = PipelineError::Scale { what: "white_light", value, expected: "from 1e-9 to 1e9" };
+        return if Number::WhiteLight.allows(value) { Ok(Known::from_file(value)) } else { Err(refused) };
     }
     let grey_light = match calibrated.grey_light {
         Some(light) => Some(light),
@@ -156,8 +155,8 @@ fn photographed_white_light(
     };
     let grey_light = grey_light.ok_or(PipelineError::NoWhiteLight)?;
     let albedo = scale.grey_albedo.or(set.calibration.grey_albedo).ok_or(PipelineError::NoGreyAlbedo)?;
-    if !(albedo > 0.0 && albedo <= 1.0) {
-        let expected = "above 0 and at most 1";
+    if !Number::GreyAlbedo.allows(albedo) {
+        let expected = "from 0.0001 to 1";
         return Err(PipelineError::Scale { what: "grey_albedo", value: albedo, expected });
     }
     Ok(Known { value: grey_light / albedo, interval: None, source: Source::GreyBall, pixels: None })

@@ -115,7 +115,7 @@ proptest! {
     #[test]
     fn random_bytes_behind_a_magic(magic in 0..MAGICS.len(), rest in prop::collection::vec(any::<u8>(), 0..400)) {
         let folder = Folder::new();
-        reads_or_says_why(&folder.file("hostile", &[MAGICS[magic], &rest].concat()));
+        reads_or_says_why(&folder.file("hostile", [MAGICS[magic], &rest].concat()));
     }
 
     #[test]

@@ -61,13 +61,13 @@ fn values_that_no_light_has_are_counted_and_placed() {
     let mut values = floats((WIDTH * HEIGHT) as usize);
     values[at(4, 2)] = -0.25;
     values[at(7, 3)] = -1.0;
-    let negative = folder.file("negative.pfm", &pfm("Pf", &values, true));
+    let negative = folder.file("negative.pfm", pfm("Pf", &values, true));
     assert!(message(&negative).contains("2 pixels are negative, the first at x 4, y 2"));
     let data = ReadOptions { content: Content::Data, layer: None };
     assert_eq!(read_image_as(&negative, &data).unwrap().channels[0].1.at(4, 2), -0.25);
 
     values[at(0, 1)] = f32::NAN;
-    let nan = folder.file("nan.tif", &grey32f_tiff(&values));
+    let nan = folder.file("nan.tif", grey32f_tiff(&values));
     assert!(message(&nan).contains("3 pixels are NaN, the first at x 0, y 1"));
     let error = read_image_as(&nan, &data).unwrap_err();
     assert!(matches!(error, ImageError::BadPixels { count: 1, x: 0, y: 1, .. }), "{error}");

@@ -170,7 +170,7 @@ fn tiff_in_tiles_is_exact() {
     let mut tags = tags(20, 18, 16, 1, 1);
     tags.extend([(322, 4, vec![16]), (323, 4, vec![16]), (325, 4, vec![512; 4])]);
     let folder = Folder::new();
-    let image = read_image(&folder.file("tiles.tif", &tiff_of_tags(tags, &tiles, 324))).unwrap();
+    let image = read_image(&folder.file("tiles.tif", tiff_of_tags(tags, &tiles, 324))).unwrap();
     assert_eq!(image.channels[0].1, Plane::from_fn(20, 18, |x, y| f32::from(value(x, y))));
 }
 
@@ -180,7 +180,7 @@ fn tiff_plane_by_plane_is_exact() {
     let mut tags = tags(4, 3, 16, 3, 1);
     tags.extend([(278, 4, vec![3]), (279, 4, vec![24; 3]), (284, 3, vec![2])]);
     let folder = Folder::new();
-    let file = folder.file("planes.tif", &tiff_of_tags(tags, &[strip(1), strip(2), strip(3)], 273));
+    let file = folder.file("planes.tif", tiff_of_tags(tags, &[strip(1), strip(2), strip(3)], 273));
     let image = read_image(&file).unwrap();
     for (colour, (_, plane)) in image.channels.iter().enumerate() {
         assert_eq!(*plane, Plane::from_fn(4, 3, |x, y| (100 * (colour + 1) + 4 * y + x) as f32));
@@ -192,7 +192,7 @@ fn tiff_of_32_bit_integers_64_bit_floats_and_one_bit() {
     let folder = Folder::new();
     let strip = |mut tags: Vec<_>, bytes: &[u8]| {
         tags.extend([(278, 4, vec![1]), (279, 4, vec![bytes.len() as u32])]);
-        read_image(&folder.file("a.tif", &tiff_of_tags(tags, &[bytes.to_vec()], 273))).unwrap()
+        read_image(&folder.file("a.tif", tiff_of_tags(tags, &[bytes.to_vec()], 273))).unwrap()
     };
     let long = strip(tags(2, 1, 32, 1, 1), &[1_u32 << 31, u32::MAX].map(u32::to_le_bytes).concat());
     assert_eq!(long.channels[0].1.data(), [2_147_483_648.0, 4_294_967_295_u32 as f32]);
@@ -268,7 +268,7 @@ fn normals_go_out_in_either_convention_and_come_back_within_half_a_step() {
     let [x, y, z] = &planes;
     let folder = Folder::new();
     for (green, sign) in [(GreenAxis::Up, 1.0), (GreenAxis::Down, -1.0)] {
-        let file = folder.file("normals.png", &normals_png([x, y, z], green).unwrap());
+        let file = folder.file("normals.png", normals_png([x, y, z], green).unwrap());
         let image = read_image(&file).unwrap();
         for ((_, plane), expected) in image.channels.iter().zip([tilted[0], sign * tilted[1], tilted[2]]) {
             assert!((plane.at(0, 0) / 65535.0 * 2.0 - 1.0 - expected).abs() < 1.01 / 65535.0);
@@ -281,11 +281,11 @@ fn normals_go_out_in_either_convention_and_come_back_within_half_a_step() {
 fn grey_and_preview_pngs_hold_what_they_promise() {
     let folder = Folder::new();
     let light = Plane::from_vec(4, 1, vec![-0.5, 0.25, 1.0, 3.0]).unwrap();
-    let grey = read_image(&folder.file("grey.png", &grey16_png(&light, 2.0).unwrap())).unwrap();
+    let grey = read_image(&folder.file("grey.png", grey16_png(&light, 2.0).unwrap())).unwrap();
     assert_eq!(grey.channels[0].1.data(), [0.0, 8192.0, 32768.0, 65535.0]);
     // Linear 0.2140 is sRGB 0.5 (IEC 61966-2-1).
     let light = Plane::from_vec(3, 1, vec![0.0, 0.107_02, 9.0]).unwrap();
-    let preview = read_image(&folder.file("preview.png", &preview_png(&[&light], 2.0).unwrap())).unwrap();
+    let preview = read_image(&folder.file("preview.png", preview_png(&[&light], 2.0).unwrap())).unwrap();
     assert_eq!(preview.channels[0].1.data(), [0.0, 127.0, 255.0]);
-    assert_eq!(read_image(&folder.file("p.png", &preview_png(&[&light; 3], 2.0).unwrap())).unwrap().channels.len(), 3);
+    assert_eq!(read_image(&folder.file("p.png", preview_png(&[&light; 3], 2.0).unwrap())).unwrap().channels.len(), 3);
 }

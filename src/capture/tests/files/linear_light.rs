@@ -206,7 +206,7 @@ fn options_and_sizes_are_checked() {
 #[test]
 fn files_are_read_one_after_the_other() {
     let folder = Folder::new();
-    let file = |name: &str, value: u16| folder.file(name, &grey16_tiff(&[value; 21 * 14], Compression::Lzw));
+    let file = |name: &str, value: u16| folder.file(name, grey16_tiff(&[value; 21 * 14], Compression::Lzw));
     let paths = [file("1.tif", 13107), file("2.tif", 26214)];
     let light = linearise_files(&paths, &LinearOptions::default(), &Corrections::default()).unwrap();
     assert_light(light.photo.linear.data(), &[0.3; 21 * 14]);
