@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::desktop::Desktop;
-use crate::screen_reader::IMAGE;
+use crate::screen_reader::{IMAGE, steps_with_results};
 
 /// Hundredths of a second of all cores in [`WATCHED`]: 2 % of one core.
 const MOST_TICKS: u64 = 10;
@@ -18,9 +18,7 @@ fn the_real_window_opens_the_demo_by_name_and_rests_when_nothing_changes() {
     let Some(program) = desktop.start(test, &[]) else { return };
     let reader = &program.reader;
     reader.press("Open the demo");
-    reader.wait_for("all five steps to be ready", |widgets| {
-        (widgets.iter().filter(|widget| widget.name.ends_with("ready")).count() == 5).then_some(())
-    });
+    reader.wait_for("all five steps to be ready", |widgets| (steps_with_results(widgets) >= 5).then_some(()));
     reader.wait_for("the photo", |widgets| {
         widgets.iter().find(|widget| widget.name == "Photo, left, blue" && widget.role == IMAGE).cloned()
     });

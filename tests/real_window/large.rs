@@ -9,6 +9,7 @@ use std::time::Duration;
 use image::{ImageBuffer, Luma};
 
 use crate::desktop::Desktop;
+use crate::screen_reader::steps_with_results;
 
 const SIZE: (u32, u32) = (6000, 4000);
 const LIGHTS: [(&str, [f64; 3]); 3] =
@@ -28,9 +29,7 @@ fn frames_at_24_mpx() {
     let reader = &program.reader;
     reader.press("3  Separate");
     // The surface goes on being computed, and anew after the drag: the drag is what is measured.
-    reader.wait_for("the bounces to be there", |widgets| {
-        (widgets.iter().filter(|widget| widget.name.ends_with("ready")).count() >= 3).then_some(())
-    });
+    reader.wait_for("the bounces to be there", |widgets| (steps_with_results(widgets) >= 3).then_some(()));
     println!("opening:\n{}", report(&desktop, &program));
 
     // The inspector has a section of the same name as the menu's group.
@@ -52,9 +51,7 @@ fn frames_at_24_mpx() {
     println!("drag of beta:\n{}", report(&desktop, &program));
 
     reader.press("4  Shape");
-    reader.wait_for("the surface to be there", |widgets| {
-        (widgets.iter().filter(|widget| widget.name.ends_with("ready")).count() == 5).then_some(())
-    });
+    reader.wait_for("the surface to be there", |widgets| (steps_with_results(widgets) >= 5).then_some(()));
     reader.press("Show the surface in 3D");
     reader.find("Surface in 3D");
     std::thread::sleep(Duration::from_secs(5));
