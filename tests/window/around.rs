@@ -241,6 +241,7 @@ fn work_that_was_cancelled_says_so_and_is_taken_up_again_on_demand() {
     let mut hands = Hands::new();
     let set = hands.demo();
     hands.session().open(Open::Set(set));
+    hands.harness.run_steps(1);
     hands.run(CommandId::CancelJobs);
     hands.harness.run_steps(1);
     hands.wait_to_see("cancelled; \"Retry\" (F9) starts it again");

@@ -57,7 +57,7 @@ fn a_paint_that_cannot_be_is_told_and_a_colour_can_be_added() {
     hands.harness.get_by_role_and_label(Role::Button, "Add a colour").click_accesskit();
     hands.steps();
     assert_eq!(hands.number("Albedo in c3"), 0.25);
-    assert!(hands.sees("3 colours tell bounces apart up to order m = 3"));
+    assert!(hands.sees("3 colours separate bounces up to order m = 3"));
     hands.wait_to_see("order m = 2; from the photos");
     hands.harness.get_by_role_and_label(Role::RadioButton, "m = 3").click_accesskit();
     hands.wait_to_see("order m = 3; from the photos");

@@ -51,6 +51,9 @@ fn text(rig: Rig) -> String {
     let directions = [[-0.3, 0.1, 0.95], [0.3, 0.2, 0.9], [0.05, -0.35, 0.9]];
     set.separation.bounces = Some(2);
     set.calibration.grey_albedo = Some(0.18);
+    set.shape.shadow_share = 0.1;
+    set.shape.misfit_share = 0.2;
+    (set.shape.rounds, set.shape.indirect_window_px) = (2, 3);
     set.camera.encoding = Encoding::Gamma(1.0);
     set.shots.iter_mut().for_each(|shot| shot.encoding = Some(Encoding::Gamma(1.0)));
     match rig {
@@ -172,6 +175,10 @@ fn number_of(path: &[String]) -> Option<Number> {
         () if key("grey_albedo") => Number::GreyAlbedo,
         () if key("white_light") => Number::WhiteLight,
         () if key("bounces") => Number::Bounces,
+        () if key("shadow_share") => Number::ShadowShare,
+        () if key("misfit_share") => Number::MisfitShare,
+        () if key("rounds") => Number::Rounds,
+        () if key("indirect_window_px") => Number::IndirectWindowPx,
         () => panic!("{path:?} is not in the table of ranges"),
     })
 }

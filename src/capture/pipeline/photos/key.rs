@@ -37,6 +37,44 @@ pub(super) struct PhotoKey {
     pub subject: Subject,
 }
 
+/// A key by which something is kept.
+pub(super) trait Key: PartialEq + Clone {
+    /// Whether what is kept by `kept` is what is wanted. A file that is gone has been read as it was.
+    fn is_kept_as(&self, kept: &Self) -> bool;
+}
+
+impl Key for FrameKey {
+    fn is_kept_as(&self, kept: &Self) -> bool {
+        let files = || self.files.iter().zip(&kept.files);
+        let same = |(file, kept): (&Stamped, &Stamped)| {
+            file.path == kept.path && (file.stamp.is_none() || file.stamp == kept.stamp)
+        };
+        self.options == kept.options && self.files.len() == kept.files.len() && files().all(same)
+    }
+}
+
+impl Key for FlatKey {
+    fn is_kept_as(&self, kept: &Self) -> bool {
+        self.frame.is_kept_as(&kept.frame) && both_are_kept(&self.dark, &kept.dark)
+    }
+}
+
+impl Key for PhotoKey {
+    fn is_kept_as(&self, kept: &Self) -> bool {
+        self.subject == kept.subject
+            && self.frame.is_kept_as(&kept.frame)
+            && both_are_kept(&self.dark, &kept.dark)
+            && both_are_kept(&self.flat, &kept.flat)
+    }
+}
+
+fn both_are_kept<K: Key>(wanted: &Option<K>, kept: &Option<K>) -> bool {
+    match (wanted, kept) {
+        (Some(wanted), Some(kept)) => wanted.is_kept_as(kept),
+        (wanted, kept) => wanted.is_none() && kept.is_none(),
+    }
+}
+
 impl PhotoKey {
     /// Of a shot as it is now.
     pub fn of(set: &CaptureSet, shot: &Shot) -> Self {

@@ -7,7 +7,7 @@ use indexmap::IndexMap;
 use rayon::prelude::*;
 
 use super::super::{PipelineError, PipelineWatch, Stage};
-use super::key::{FlatKey, FrameKey, PhotoKey, Stamped};
+use super::key::{FlatKey, FrameKey, Key, PhotoKey, Stamped};
 use crate::image_file::{
     Corrections, DarkFrame, FlatField, ImageError, ImageFile, LinearLight, dark_frame, flat_field, linearise,
     read_image,
@@ -183,7 +183,7 @@ impl Frames {
 /// Distinct keys, each with what the store keeps for it.
 struct Distinct<K, V>(Vec<(K, Option<Arc<V>>)>);
 
-impl<K: PartialEq + Clone, V> Distinct<K, V> {
+impl<K: Key, V> Distinct<K, V> {
     /// The place of a key, and whether there is something to be made for it.
     fn place(&mut self, key: &K, kept: &[(K, Arc<V>)]) -> (usize, bool) {
         if let Some(index) = self.0.iter().position(|(known, _)| known == key) {
@@ -307,11 +307,11 @@ impl Plan {
     }
 }
 
-fn of<'k, K: PartialEq, V>(kept: &'k [(K, Arc<V>)], key: &K) -> Option<&'k Arc<V>> {
-    kept.iter().find(|(known, _)| known == key).map(|(_, value)| value)
+fn of<'k, K: Key, V>(kept: &'k [(K, Arc<V>)], key: &K) -> Option<&'k Arc<V>> {
+    kept.iter().find(|(known, _)| key.is_kept_as(known)).map(|(_, value)| value)
 }
 
-fn keep<K: PartialEq + Clone, V>(kept: &mut Vec<(K, Arc<V>)>, keys: &Distinct<K, V>, made: &[Option<Frame<V>>]) {
+fn keep<K: Key, V>(kept: &mut Vec<(K, Arc<V>)>, keys: &Distinct<K, V>, made: &[Option<Frame<V>>]) {
     for ((key, _), made) in keys.0.iter().zip(made) {
         if let (Some(Ok(value)), None) = (made, of(kept, key)) {
             kept.push((key.clone(), value.clone()));

@@ -119,8 +119,9 @@ fn pictures(loaded: &Loaded) -> Batch {
 fn load(set: &CaptureSet, store: &PhotoStore, job: &Job) -> Result<Loaded, StageError> {
     check_memory(set, MemoryWork::Window, &MemoryOptions::default()).map_err(PipelineError::from)?;
     let shots: Vec<&Shot> = set.shots.iter().collect();
-    let lights = store.read(set, &shots, job)?;
+    // What is gone or was changed since it was read is read again, or is an error.
     store.keep_only(set);
+    let lights = store.read(set, &shots, job)?;
     let all: Vec<_> = shots.into_iter().zip(lights).collect();
     let object = object(set, &all);
     let mut warnings = object.as_ref().map(|object| object.warnings.clone()).unwrap_or_default();
