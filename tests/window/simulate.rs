@@ -58,9 +58,9 @@ fn a_paint_that_cannot_be_is_told_and_a_colour_can_be_added() {
     hands.steps();
     assert_eq!(hands.number("Albedo in c3"), 0.25);
     assert!(hands.sees("3 colours separate bounces up to order m = 3"));
-    hands.wait_to_see("order m = 2; from the photos");
+    hands.wait_to_see("order m = 2; before");
     hands.harness.get_by_role_and_label(Role::RadioButton, "m = 3").click_accesskit();
-    hands.wait_to_see("order m = 3; from the photos");
+    hands.wait_to_see("order m = 3; before");
     hands.harness.get_by_role_and_label(Role::RadioButton, "Near, square").click_accesskit();
     hands.steps();
     hands.type_number("Side of a lamp", "-5");

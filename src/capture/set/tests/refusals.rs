@@ -191,7 +191,7 @@ fn shots_name_lights_and_colours_of_the_set_once() {
         "subject = \"dark\"",
         "subject = \"dark\"\nlight = \"left\"",
         "light = \"left\"\nfiles = [\"dark",
-        &["dark frame"],
+        &["a shot of \"dark\" is taken without one"],
     );
 }
 
