@@ -118,8 +118,10 @@ fn write_results(
     }
     lights::write_lights(set, &solved.calibrated, options, files)?;
     let [after, before] = SURFACES;
-    let surfaces =
-        [(solved.after.as_ref().ok(), after, ""), (solved.before.as_ref(), before, " from the photos as they are")];
+    let surfaces = [
+        (solved.after.as_ref().ok(), after, ""),
+        (solved.before.as_ref(), before, " from the photos before separation"),
+    ];
     let unit = surfaces.iter().find_map(|(surface, ..)| surface.map(|surface| surface.mesh.unit));
     let mut export = options::record(options, unit);
     for (index, (surface, suffix, origin)) in (count - 2..).zip(surfaces) {

@@ -113,7 +113,7 @@ pub struct PlanPoint {
 pub struct Plan {
     /// The order m.
     pub bounces: usize,
-    /// Normals from the photos as they are, without noise.
+    /// Normals from the photos before separation, without noise.
     pub raw_deg: f64,
     /// For the paint as it is, by number of frames.
     pub by_frames: Vec<PlanPoint>,

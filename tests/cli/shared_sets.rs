@@ -40,7 +40,7 @@ fn normals_of_rendered_sets() {
     }
 }
 
-/// On walls and bowls, each of the first three iterations leaves fewer degrees than the photos as they are.
+/// On walls and bowls, each of the first three iterations leaves fewer degrees than no separation at all.
 #[test]
 fn nayars_method_on_rendered_sets() {
     for name in ["corner-blue", "bowl-four"] {

@@ -146,7 +146,7 @@ impl Source<'_> {
         })
     }
 
-    /// Decoders meet bytes that nobody meant for them, and hold an `expect` or an index here and there: should one panic,
+    /// Decoders meet bytes that were never meant for them, and hold an `expect` or an index here and there: should one panic,
     /// the file is damaged and the work goes on.
     pub fn guarded<T>(&self, format: Format, decode: impl FnOnce() -> Result<T, ImageError>) -> Result<T, ImageError> {
         guarded(decode).unwrap_or_else(|Panicked| Err(self.damaged(format, "the decoder gave up")))

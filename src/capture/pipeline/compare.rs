@@ -27,7 +27,7 @@ pub enum ReferenceError {
     Mesh(#[from] MeshError),
 }
 
-/// Reads a mesh in mm, and what a person should know of it: a mesh file whose unit is `scale`, or the truth of a capture set
+/// Reads a mesh in mm, and what the user should know of it: a mesh file whose unit is `scale`, or the truth of a capture set
 /// (its folder or its capture.toml).
 ///
 /// # Errors
@@ -59,7 +59,7 @@ pub struct Compared {
     pub alignment: Option<Alignment>,
     /// The distances.
     pub comparison: Comparison,
-    /// What a person should know before trusting them.
+    /// What the user should know before trusting them.
     pub warnings: Vec<String>,
 }
 
@@ -100,7 +100,7 @@ fn size_warning(a: &Mesh, b: &Mesh) -> Option<String> {
     (times > STRANGE_SIZE).then(|| format!("A is {times:.0} times {word} than B: check the unit of each"))
 }
 
-/// What a person should know before trusting an alignment.
+/// What the user should know before trusting an alignment.
 pub fn alignment_warnings(alignment: &Alignment) -> Vec<String> {
     let mut warnings: Vec<_> = alignment.free.iter().map(|free| format!("the {free}: do not trust it there")).collect();
     if !alignment.converged {

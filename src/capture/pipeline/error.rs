@@ -147,7 +147,7 @@ pub enum PipelineError {
     NoWhiteLight,
     /// A method that starts from a surface was given none.
     #[error(
-        "this method starts from the surface that the photos as they are show, and there is none: recover it first"
+        "this method starts from the surface that the photos show before separation, and there is none: recover it first"
     )]
     NoSurfaceBefore,
     /// A grey ball of unknown albedo.

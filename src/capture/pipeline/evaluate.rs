@@ -37,7 +37,7 @@ impl From<AngularError> for Angles {
 /// Normal errors of three ways to the normals, over the same pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NormalErrors {
-    /// From the photos as they are.
+    /// From the photos before separation.
     pub raw: Angles,
     /// From bounce 1 as separated.
     pub separated: Angles,
@@ -102,7 +102,7 @@ pub struct Evaluation {
     /// Root mean square depth error, the offset of each connected part of the surface removed, for normals do not tell it;
     /// absent without true depth.
     pub depth_rmse_mm: Option<f64>,
-    /// The same for the photos as they are.
+    /// The same for the photos before separation.
     pub depth_rmse_raw_mm: Option<f64>,
     /// The same for the true normals: what integration alone costs.
     pub depth_rmse_true_normals_mm: Option<f64>,
@@ -110,7 +110,7 @@ pub struct Evaluation {
     pub pixels: usize,
     /// Pixels with a true normal.
     pub pixels_with_truth: usize,
-    /// What a person should know.
+    /// What the user should know.
     pub warnings: Vec<String>,
 }
 

@@ -119,7 +119,7 @@ pub struct Solved {
     pub direct: Arc<Vec<Direct>>,
     /// The surface from the direct light, or why there is none; the bounces stand either way.
     pub after: Result<Surface, PipelineError>,
-    /// The surface from the photos as they are, for comparison; `None` where `after` failed.
+    /// The surface from the photos before separation, for comparison; `None` where `after` failed.
     pub before: Option<Surface>,
     /// What the method reports of itself.
     pub report: MethodReport,
@@ -143,7 +143,7 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
     reconstruct(scene, None, options, stages, watch)
 }
 
-/// From photos and rig to surfaces by one method. `before` is the surface that the photos as they are show, where it is
+/// From photos and rig to surfaces by one method. `before` is the surface that the photos show before separation, where it is
 /// there already; `stages` is what was spent so far.
 pub fn reconstruct(
     scene: Scene,

@@ -1,4 +1,4 @@
-//! The surfaces of a set by name: that of the photos as they are, and one after each method.
+//! The surfaces of a set by name: that of the photos before separation, and one after each method.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::Method;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(into = "&'static str", try_from = "String")]
 pub enum SurfaceName {
-    /// From the photos as they are.
+    /// From the photos before separation.
     Before,
     /// From the direct light that a method finds.
     After(Method),

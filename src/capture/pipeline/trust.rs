@@ -158,7 +158,7 @@ mod tests {
 
     /// The mean error of bounce 1 and of the normals, against the truth of the rendered sets.
     #[test]
-    fn the_verdict_foretells_the_error_of_rendered_sets() {
+    fn the_verdict_predicts_the_error_of_rendered_sets() {
         for (name, bounces) in [("corner-blue", 1), ("corner-blue", 2), ("groove-rgb", 2), ("bowl-four", 2)] {
             let Some(folder) = firstbounce_testing::shared_set(name) else { continue };
             let set = CaptureSet::open(&folder).unwrap();

@@ -1,4 +1,4 @@
-//! How the pipeline tells which stage it is in and how far, and learns that nobody wants it any more.
+//! How the pipeline tells which stage it is in and how far, and learns that it is no longer wanted.
 
 use std::fmt;
 

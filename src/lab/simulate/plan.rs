@@ -102,7 +102,10 @@ pub fn plan_advice(plan: &Plan, frames: usize) -> String {
         lines.push(format!("A paint of ratio {:.2} would give {:.2} degrees.", best.ratio, best.error_deg));
     }
     if error >= plan.raw_deg {
-        lines.push(format!("The photos as they are give {:.2}: separating does not pay on this rig.", plan.raw_deg));
+        lines.push(format!(
+            "The photos before separation give {:.2}: separating does not pay on this rig.",
+            plan.raw_deg
+        ));
     }
     lines.join(" ")
 }

@@ -10,7 +10,7 @@ use super::super::{PhotoStore, PipelineError, PipelineWatch, SubjectPhotos, load
 use super::{BallCircle, Preference};
 use crate::set::{self, CaptureSet, Projection, Sphere, SphereKind, Subject};
 
-/// Standard deviation of a circle that the file gives, in pixels: the program wrote it, or a person snapped it to the edge.
+/// Standard deviation of a circle that the file gives, in pixels: the program wrote it, or the user snapped it to the edge.
 const GIVEN_CIRCLE_SD_PX: f64 = 0.1;
 
 /// The photos of the balls that a calibration needs.
@@ -134,7 +134,7 @@ fn find(photos: &SubjectPhotos, subject: Subject, kind: SphereKind) -> Result<Ba
 }
 
 /// How the camera sees a ball whose pictures have this size. Pictures that do not hold the optical axis are cut-outs from
-/// nobody knows where: there lines of sight count as parallel.
+/// unknown places: there lines of sight count as parallel.
 fn view(set: &CaptureSet, size: (usize, usize)) -> View {
     match set.camera.projection {
         Projection::Orthographic { .. } => View::Orthographic,

@@ -22,7 +22,7 @@ pub use verdict::{DirectionDoubt, Evidence, Verdict};
 pub enum Source {
     /// The reference colour's alpha and beta, the first light's intensity: 1 by definition.
     Definition,
-    /// capture.toml, where a person typed it or the program wrote it.
+    /// capture.toml, where the user typed it or the program wrote it.
     File,
     /// A light file (.lp).
     LightFile,
@@ -141,7 +141,7 @@ pub struct Calibrated {
     pub ratios: Vec<RatioEvidence>,
     /// The balls' circles.
     pub circles: Vec<BallCircle>,
-    /// What a person should know before trusting the values.
+    /// What the user should know before trusting the values.
     pub warnings: Vec<String>,
 }
 
@@ -203,7 +203,7 @@ impl Calibrated {
         self
     }
 
-    /// The likeliest highlight of light `l` that is not among those that a person deleted, by their place in the report.
+    /// The likeliest highlight of light `l` that is not among those that the user deleted, by their place in the report.
     pub fn highlight_without(&self, l: usize, deleted: &[usize]) -> Option<&Highlight> {
         let candidates = &self.highlights.get(l)?.as_ref()?.candidates;
         candidates.iter().enumerate().find(|(index, _)| !deleted.contains(index)).map(|(_, highlight)| highlight)
@@ -213,7 +213,7 @@ impl Calibrated {
 /// Which value wins where a capture file gives one and a ball gives another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preference {
-    /// The file's: what a person typed or accepted. Balls are measured for what the file leaves out.
+    /// The file's: what the user typed or accepted. Balls are measured for what the file leaves out.
     File,
     /// The balls': to see, or to write, what they say.
     Balls,

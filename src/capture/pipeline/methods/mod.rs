@@ -48,7 +48,7 @@ pub struct Needs {
     pub all_colours: bool,
     /// The light of a white facet, which makes albedos absolute.
     pub absolute_albedo: bool,
-    /// The surface that the photos as they are show.
+    /// The surface that the photos show before separation.
     pub surface_before: bool,
 }
 
@@ -60,7 +60,7 @@ pub type OnShape<'a> = dyn FnMut(&Shape) + 'a;
 pub struct Input<'a> {
     /// Photos and rig, in the colours that the method needs.
     pub scene: &'a Scene<'a>,
-    /// By light, the photos as they are.
+    /// By light, the photos before separation.
     pub raw: &'a Separated,
     /// The surface that they show, where the method needs it.
     pub before: Option<&'a Shape>,

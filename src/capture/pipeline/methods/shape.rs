@@ -67,7 +67,7 @@ pub struct NayarSolved {
 }
 
 impl NayarSolved {
-    /// What a person should know before trusting the surface.
+    /// What the user should know before trusting the surface.
     pub fn warnings(&self, solved_pixels: usize) -> Vec<String> {
         let ByShapeReport { steps, chosen, ending, islands, .. } = &self.report;
         let mut warnings = Vec::new();
@@ -162,7 +162,7 @@ fn photographed_white_light(
     Ok(Known { value: grey_light / albedo, interval: None, source: Source::GreyBall, pixels: None })
 }
 
-/// Puts the direct light that was found in place of the photos as they are, with its mean.
+/// Puts the direct light that was found in place of the photos before separation, with its mean.
 fn replace_bounce_1(separated: &mut Separated, mask: &Mask, raw: Vec<Direct>, direct: Vec<Plane>) -> Vec<Direct> {
     let all = separated.lights.iter_mut().zip(&mut separated.reports).zip(raw.into_iter().zip(direct));
     let replace = |((separation, report), (raw, light)): ((&mut Separation, &mut SeparateReport), (Direct, Plane))| {

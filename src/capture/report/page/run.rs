@@ -143,7 +143,7 @@ fn shape_section(solved: &Solved, report: &Report, pictures: Pictures) -> Result
         Ok(())
     };
     if let Some(before) = &solved.before {
-        add("before: photos as they are", before)?;
+        add("before separation", before)?;
     }
     match solved.options.method {
         Method::Colours => add("after: bounce 1 alone", after)?,
@@ -244,7 +244,7 @@ fn figure(caption: &str, address: &str) -> Markup {
     html! { figure { img src=(address) alt=(caption); figcaption { (caption) } } }
 }
 
-/// Three significant digits or more, never an exponent for what a person meets daily.
+/// Three significant digits or more, never an exponent for what the user meets daily.
 pub(super) fn number(value: f64) -> String {
     match value.abs() {
         // A percentage of a bounce 1 that comes out negative.

@@ -26,7 +26,7 @@ pub struct CalibrationRecord {
     pub circle: IndexMap<String, CircleRecord>,
     /// By quantity and light, pixels used and refused by reason.
     pub pixels: IndexMap<String, PixelCounts>,
-    /// What a person should know.
+    /// What the user should know.
     pub warnings: Vec<String>,
     #[serde(skip)]
     rows: Vec<Row>,

@@ -44,7 +44,7 @@ pub struct Report {
     pub trust: TrustRecord,
     /// The surface from bounce 1; absent where there is none.
     pub shape: Option<ShapeRecord>,
-    /// The surface from the photos as they are.
+    /// The surface from the photos before separation.
     pub before: Option<ShapeRecord>,
     /// Why there is no surface.
     pub no_shape: Option<String>,
@@ -54,7 +54,7 @@ pub struct Report {
     pub export: ExportRecord,
     /// What was written, by path relative to the report.
     pub files: IndexMap<String, String>,
-    /// What a person should know before trusting the numbers.
+    /// What the user should know before trusting the numbers.
     pub warnings: Vec<String>,
     /// What each stage cost.
     pub stages: Vec<StageCost>,
