@@ -1,9 +1,11 @@
 //! How well each photo is exposed: what the captures table shows and `firstbounce info` prints.
 
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::{Mask, Photo, Plane};
+use indexmap::IndexMap;
 use rayon::prelude::*;
 
 use super::memory::{check_group, free_memory_bytes};
@@ -62,14 +64,19 @@ pub fn region_of(set: &CaptureSet, shot: &Shot, mask: Option<&Mask>, size: (usiz
 /// [`PipelineError::Cancelled`] alone.
 pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Vec<Result<Exposed, String>>, PipelineError> {
     let mask = set.mask.as_ref().and_then(|written| read_mask(&set.resolve(written)).ok());
-    // A photo for which memory lacks is told so, and not decoded.
+    // Shots of the same files, as an RGB photo's three colours are, are made of one reading.
+    let mut groups: IndexMap<&[String], Vec<usize>> = IndexMap::new();
+    set.shots.iter().enumerate().for_each(|(index, shot)| groups.entry(&shot.files).or_default().push(index));
     let available_bytes = free_memory_bytes();
-    let room =
-        |shot: &&Shot| check_group(set, &shot.files, 1, available_bytes).map_err(|shortage| shortage.to_string());
-    let room: Vec<_> = set.shots.par_iter().map(|shot| room(&shot)).collect();
-    let fits: Vec<usize> = (0..set.shots.len()).filter(|&index| room[index].is_ok()).collect();
+    let groups: Vec<_> = groups.into_iter().collect();
+    let lacking = groups.par_iter().flat_map_iter(|(files, shots)| {
+        let shortage = check_group(set, files, shots.len(), available_bytes).err();
+        shots.iter().filter_map(move |&index| Some((index, shortage.as_ref()?.to_string())))
+    });
+    let lacking: HashMap<usize, String> = lacking.collect();
+    let fits: Vec<usize> = (0..set.shots.len()).filter(|index| !lacking.contains_key(index)).collect();
     let shots: Vec<&Shot> = fits.iter().map(|&index| &set.shots[index]).collect();
-    let seen: Vec<_> = room.into_iter().map(|room| Mutex::new(room.err().map(Err))).collect();
+    let seen: Vec<_> = (0..set.shots.len()).map(|index| Mutex::new(lacking.get(&index).cloned().map(Err))).collect();
     PhotoStore::default().visit(set, &shots, watch, &|index, light| {
         let exposed = |light: &Arc<LinearLight>| {
             let region = region_of(set, shots[index], mask.as_ref(), light.photo.linear.size());

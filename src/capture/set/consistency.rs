@@ -2,13 +2,12 @@
 
 use std::collections::{HashMap, HashSet};
 
+use firstbounce_core::separate::MIN_BETA_DISTANCE;
+
 use super::model::*;
 use super::problem::{Location, Problem};
 use super::rule::did_you_mean;
 use super::word::Word;
-
-/// Albedo ratios closer than this cannot be told apart: the gain of the separation passes 70.
-pub const CLOSEST_BETA: f64 = 0.02;
 
 /// More lamp colours than any rig has. The parts of a set are few enough that comparing each with each takes no time that
 /// is felt.
@@ -181,18 +180,18 @@ impl CaptureSet {
         Some(Problem::of_key(Location::Calibration, key, message))
     }
 
-    /// The pairs of colours, the first of both first, whose `beta` lies within [`CLOSEST_BETA`] of each other.
+    /// The pairs of colours, the first of both first, whose `beta` lies within [`MIN_BETA_DISTANCE`] of each other.
     pub fn colours_alike(&self, beta: &[f64]) -> Vec<[usize; 2]> {
         let colours = self.colours.len().min(beta.len());
         let pairs = (0..colours).flat_map(|one| (one + 1..colours).map(move |other| [one, other]));
-        pairs.filter(|&[one, other]| (beta[one] - beta[other]).abs() <= CLOSEST_BETA + ROUNDING).collect()
+        pairs.filter(|&[one, other]| (beta[one] - beta[other]).abs() <= MIN_BETA_DISTANCE + ROUNDING).collect()
     }
 
     /// A problem for each pair of colours whose `beta`, typed or measured, is too alike.
     pub fn check_beta_distances(&self, beta: &[f64]) -> Vec<Problem> {
         let problem = |[one, other]: [usize; 2]| {
             let message = format!(
-                "{:?} ({}) is within {CLOSEST_BETA} of {:?} ({}), too alike to tell bounces apart; take lamp colours \
+                "{:?} ({}) is within {MIN_BETA_DISTANCE} of {:?} ({}), too alike to tell bounces apart; take lamp colours \
                  that the paint reflects more differently",
                 self.colours[other].name, beta[other], self.colours[one].name, beta[one]
             );

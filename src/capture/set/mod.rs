@@ -25,7 +25,7 @@ mod write;
 mod tests;
 
 pub use crate::atomic::FILE_NAME;
-pub use consistency::{CLOSEST_BETA, MAX_COLOURS, MAX_LIGHTS};
+pub use consistency::{MAX_COLOURS, MAX_LIGHTS};
 pub use guess::{Became, Guess, GuessOptions, Pattern, PatternError, add_files, assign, propose};
 pub use model::*;
 pub use number::Number;
