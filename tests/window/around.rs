@@ -8,7 +8,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use firstbounce::app::state::document::Recovered;
 use firstbounce::app::state::layout::Shown;
 use firstbounce::app::state::panel::PanelName;
-use firstbounce::app::state::results::SurfaceName;
+use firstbounce::app::state::results::{Plain, SurfaceName};
 use firstbounce::app::state::session::Open;
 use firstbounce::app::window::commands::CommandId;
 use tempfile::TempDir;
@@ -225,7 +225,7 @@ fn a_set_that_is_edited_asks_before_the_demo_takes_its_place() {
 fn the_next_run_begins_with_the_set_and_the_views_of_the_last() {
     let mut hands = Hands::with_demo();
     hands.press(Modifiers::COMMAND, Key::Backslash);
-    hands.session().views.show(Shown::Depth(SurfaceName::Before));
+    hands.session().views.show(Plain::Depth.of(SurfaceName::Before));
     hands.press(Modifiers::COMMAND, Key::S);
     let set = hands.session().document().set.folder.clone();
     let mut next = Hands::with_folder(ended(hands));
@@ -233,7 +233,7 @@ fn the_next_run_begins_with_the_set_and_the_views_of_the_last() {
     next.steps();
     assert_eq!(next.session().document().set.folder, set);
     let shown: Vec<_> = next.session().views.all().map(|view| view.shown.clone()).collect();
-    assert!(shown.len() == 2 && shown.contains(&Shown::Depth(SurfaceName::Before)), "{shown:?}");
+    assert!(shown.len() == 2 && shown.contains(&Plain::Depth.of(SurfaceName::Before).into()), "{shown:?}");
 }
 
 #[test]

@@ -4,9 +4,9 @@ use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable;
 use firstbounce::app::state::layout::Shown;
 use firstbounce::app::state::panel::PanelName;
-use firstbounce::app::state::results::{StageState, Step, SurfaceName};
+use firstbounce::app::state::results::{Plain, StageState, Step, SurfaceName};
 use firstbounce::app::state::surfaces::LayerName;
-use firstbounce::app::views::{entries, picture};
+use firstbounce::app::views::picture;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Unattended, solve};
 use firstbounce_core::methods::by_shape::ByShapeOptions;
@@ -34,7 +34,7 @@ fn tick(hands: &mut Hands) {
 
 fn offered(hands: &mut Hands) -> bool {
     let document = hands.session().document();
-    entries(&document).iter().flat_map(|(_, entries)| entries).any(|shown| shown.by_method().is_some())
+    Shown::offered(&document).iter().flat_map(|(_, shown)| shown).any(|shown| shown.by_method().is_some())
 }
 
 fn state(hands: &mut Hands) -> StageState {
@@ -79,7 +79,7 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     hands.click_button("Show normals by Nayar's method");
     hands.click_button("Show direct light by Nayar's method, left minus Bounce 1 with less noise, left");
     let document = hands.session().document();
-    let by_both = Shown::Difference(Box::new(Shown::Albedo(SURFACE)), Box::new(Shown::Albedo(SurfaceName::AFTER)));
+    let by_both = Shown::difference(Plain::Albedo.of(SURFACE), Plain::Albedo.of(SurfaceName::AFTER));
     assert!(picture(&by_both, &document, &hands.session().results).is_ok());
 
     // Its surface is a layer of the 3D view.

@@ -4,7 +4,7 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use firstbounce::app::state::layout::Shown;
-use firstbounce::app::state::results::{PlaneName, SurfaceName};
+use firstbounce::app::state::results::{Plain, SurfaceName};
 use firstbounce::app::state::session::Open;
 
 use crate::harness::Hands;
@@ -19,9 +19,9 @@ fn told(hands: &Hands, label: &str) -> String {
 fn tiles_are_there_again_when_the_set_is_opened_again() {
     let mut hands = Hands::with_demo();
     hands.press(Modifiers::COMMAND, Key::Backslash);
-    hands.session().views.show(Shown::Depth(SurfaceName::AFTER));
+    hands.session().views.show(Plain::Depth.of(SurfaceName::AFTER));
     hands.press(Modifiers::COMMAND, Key::T);
-    hands.session().views.show(Shown::Albedo(SurfaceName::Before));
+    hands.session().views.show(Plain::Albedo.of(SurfaceName::Before));
     hands.steps();
     let all = |hands: &mut Hands| -> Vec<_> { hands.session().views.all().map(|view| view.shown.title()).collect() };
     let mut before = all(&mut hands);
@@ -59,8 +59,8 @@ fn pictures_are_fitted_and_shown_one_to_one_by_key_and_by_menu() {
 fn two_pictures_are_compared_by_a_held_key_by_wipe_and_in_numbers_with_units() {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.session().views.show(Shown::Depth(SurfaceName::AFTER));
-    hands.session().views.active_mut().unwrap().against = Some(Shown::Depth(SurfaceName::Before));
+    hands.session().views.show(Plain::Depth.of(SurfaceName::AFTER));
+    hands.session().views.active_mut().unwrap().against = Some(Plain::Depth.of(SurfaceName::Before).into());
     hands.steps();
     hands.harness.get_by_role_and_label(Role::Image, "Depth after").focus();
     hands.steps();
@@ -91,7 +91,7 @@ fn two_pictures_are_compared_by_a_held_key_by_wipe_and_in_numbers_with_units() {
 /// Mean, root mean square and largest difference of the depths inside the object, in mm.
 fn depth_difference(hands: &mut Hands) -> (f64, f64, f64) {
     let results = &hands.session().results;
-    let plane = |when| results.pictures().plane(&PlaneName::Depth(when)).unwrap().plane.plane.clone();
+    let plane = |when| results.pictures().plane(&Plain::Depth.of(when).into()).unwrap().plane.plane.clone();
     let (after, before) = (plane(SurfaceName::AFTER), plane(SurfaceName::Before));
     let loaded = results.loaded().unwrap();
     let mask = &loaded.object.as_ref().unwrap().mask;
@@ -112,7 +112,7 @@ fn normals_differ_by_an_angle() {
     hands.rest();
     let turned = hands.session().results.shapes().unwrap().turned.unwrap();
     let (after, before) = (Shown::Normals(SurfaceName::AFTER), Shown::Normals(SurfaceName::Before));
-    hands.session().views.show(Shown::Difference(Box::new(after), Box::new(before)));
+    hands.session().views.show(Shown::difference(after, before));
     hands.steps();
     hands.wait_to_see("degrees, rms");
     assert!(told(&hands, "Angle between normals after and before").contains("Viridis"));

@@ -14,7 +14,7 @@ use super::reference::ReferencePanel;
 use crate::app::base::keyed::Keyed;
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
-use crate::app::state::results::{Shapes, StageState, Step, SurfaceName, stage_of};
+use crate::app::state::results::{Plain, Shapes, StageState, Step, SurfaceName, stage_of};
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 use crate::app::widgets::number_field;
@@ -171,9 +171,9 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
         for shown in [
             Shown::Normals(SurfaceName::AFTER),
             Shown::Normals(SurfaceName::Before),
-            Shown::Depth(SurfaceName::AFTER),
-            Shown::Albedo(SurfaceName::AFTER),
-            Shown::Difference(Box::new(Shown::Depth(SurfaceName::AFTER)), Box::new(Shown::Depth(SurfaceName::Before))),
+            Plain::Depth.of(SurfaceName::AFTER).into(),
+            Plain::Albedo.of(SurfaceName::AFTER).into(),
+            Shown::difference(Plain::Depth.of(SurfaceName::AFTER), Plain::Depth.of(SurfaceName::Before)),
         ] {
             if ui.button(format!("Show {}", shown.title().to_lowercase())).clicked() {
                 session.views.show(shown);

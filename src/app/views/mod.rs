@@ -12,6 +12,6 @@ mod tiles;
 
 pub use canvases::Canvases;
 pub use overlay::{Over, Overlay};
-pub use picker::{entries, ui as picker};
-pub use picture::{Picture, PictureError, layer, picture, unit_of};
+pub use picker::ui as picker;
+pub use picture::{Picture, PictureError, layer, picture};
 pub use tiles::ui;

@@ -74,7 +74,7 @@ fn tools(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Can
         ui.toggle_value(&mut view.wipe, "Wipe")
             .on_hover_text("A line divides the two; without it, hold B to see the other");
         if ui.button("Difference").on_hover_text("Shows this picture minus the other").clicked() {
-            view.shown = Shown::Difference(Box::new(view.shown.clone()), Box::new(other));
+            view.shown = Shown::difference(view.shown.clone(), other);
             view.against = None;
             view.look = Default::default();
         }

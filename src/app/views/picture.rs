@@ -1,6 +1,5 @@
 //! From what is to be shown to numbers and colours.
 
-use firstbounce_capture::CaptureSet;
 use firstbounce_capture::set::Subject;
 use firstbounce_core::image::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
@@ -9,13 +8,12 @@ use thiserror::Error;
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{
-    MarksName, PlaneName, Results, ShotName, StageError, StageState, Step, Stored, SurfaceName,
+    MarksName, Of, PlaneName, Range, Results, ShotName, StageError, StageState, Step, Stored, SurfaceName,
 };
 use crate::gpu::{ColourMap, Display, Layer, Source, SourceError, Tint};
 
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
 const FIGURE_ONE_GAIN: f32 = 3.0;
-const LIGHT: &str = "Linear light, 1 = white level";
 
 /// Numbers, and how they are best shown.
 #[derive(Clone, Debug)]
@@ -61,9 +59,12 @@ pub enum PictureError {
         /// From 1.
         k: usize,
     },
-    /// The fit is exact.
-    #[error("with as many bounces as colours there is no residual: choose a lower order in Separate")]
-    NoResidual,
+    /// This set cannot have it.
+    #[error("{line}")]
+    Impossible {
+        /// Why, and what to do.
+        line: &'static str,
+    },
     /// A surface in the place of a picture.
     #[error(
         "Numbers are read off pictures: choose one in a view. Points, distances and sections of a surface are in its own bar."
@@ -85,6 +86,11 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
     if shown.by_method().is_some_and(|method| !document.settings.is_compared(method)) {
         return Err(not_yet(shown, document, results));
     }
+    let (source, display) = drawn(shown, document, results)?;
+    Ok(Picture { source, display, quantity: shown.quantity(&document.set).words })
+}
+
+fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Source, Display), PictureError> {
     let pictures = results.pictures();
     let stored = |name: PlaneName| pictures.plane(&name).ok_or_else(|| not_yet(shown, document, results));
     let masked = |source: Source| with_mask(source, results);
@@ -98,90 +104,62 @@ pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<
                 // All but the highlight is dark there.
                 display.tints[DARK.trailing_zeros() as usize] = Tint::default();
             }
-            Ok(Picture { source, display, quantity: LIGHT })
+            Ok((source, display))
         }
         Shown::Bounce { light, k } => {
             let source = Source::value(bounce(document, results, light, *k)?)?;
             let range = pictures.plane(&PlaneName::Bounce(light.clone(), *k)).map(|stored| stored.range);
             let range = range.or_else(|| reference(document, results, light).map(|photo| photo.range));
             let source = with_marks(masked(source), results, &MarksName::Separation(light.clone()));
-            Ok(Picture { source, display: grey(range.unwrap_or([0.0, 1.0])), quantity: LIGHT })
+            Ok((source, grey(range.unwrap_or([0.0, 1.0]))))
         }
         Shown::Sum { light } => {
             let source = Source::value(sum(document, results, light)?)?;
             let range = reference(document, results, light).map_or([0.0, 1.0], |photo| photo.range);
-            Ok(Picture { source: masked(source), display: grey(range), quantity: LIGHT })
+            Ok((masked(source), grey(range)))
         }
         Shown::FigureOne { light } => {
             let (first, second) = (bounce(document, results, light, 1)?, bounce(document, results, light, 2)?);
             let source = Source::figure_one(first, second, FIGURE_ONE_GAIN)?;
             let range = reference(document, results, light).map_or([0.0, 1.0], |photo| photo.range);
             let stops = -range[1].max(f32::MIN_POSITIVE).log2();
-            let display = Display { exposure_stops: stops, ..Display::default() };
-            Ok(Picture { source: masked(source), display, quantity: "Bounce 1 red, bounce 2 times 3 cyan" })
-        }
-        Shown::Residual { light } => {
-            let plane = stored(PlaneName::Residual(light.clone()))?;
-            Ok(value(plane, ColourMap::Viridis, "Root mean square residual, linear light", &masked))
-        }
-        Shown::Noise { light } => {
-            let plane = stored(PlaneName::Noise(light.clone()))?;
-            Ok(value(plane, ColourMap::Viridis, "Predicted noise, linear light", &masked))
-        }
-        Shown::Direct { light } => {
-            let plane = stored(PlaneName::Direct(light.clone()))?;
-            Ok(Picture {
-                source: masked(Source::plane(plane.plane.clone())),
-                display: grey(plane.range),
-                quantity: LIGHT,
-            })
-        }
-        Shown::DirectBy { method, light } => {
-            let plane = stored(PlaneName::DirectBy(*method, light.clone()))?;
-            let range = pictures.plane(&PlaneName::Direct(light.clone())).map_or(plane.range, |stored| stored.range);
-            Ok(Picture { source: masked(Source::plane(plane.plane.clone())), display: grey(range), quantity: LIGHT })
+            Ok((masked(source), Display { exposure_stops: stops, ..Display::default() }))
         }
         Shown::Marks { light } => {
             let photo = reference(document, results, light).ok_or_else(|| not_yet(shown, document, results))?;
             let source = Source::plane(photo.plane.clone());
             let source = with_marks(source, results, &MarksName::Separation(light.clone()));
-            Ok(Picture { source, display: all_marks(grey(photo.range)), quantity: LIGHT })
+            Ok((source, all_marks(grey(photo.range))))
         }
-        Shown::Normals(when) => {
-            let axis = |axis: usize| stored(PlaneName::Normal(*when, axis)).map(|stored| stored.plane.clone());
+        Shown::Normals(name) => {
+            let axis = |axis: usize| stored(PlaneName::Normal(*name, axis)).map(|stored| stored.plane.clone());
             let source = Source::normals([axis(0)?, axis(1)?, axis(2)?])?;
-            let source = with_marks(masked(source), results, &MarksName::Normals(*when));
-            Ok(Picture { source, display: Display::default(), quantity: "Normal x, y, z as red, green, blue" })
-        }
-        Shown::Albedo(when) => {
-            let plane = stored(PlaneName::Albedo(*when))?;
-            Ok(Picture {
-                source: masked(Source::plane(plane.plane.clone())),
-                display: grey([0.0, plane.range[1]]),
-                quantity: "Albedo, relative to the first lamp",
-            })
-        }
-        Shown::NormalNoise(when) => {
-            Ok(value(stored(PlaneName::NormalNoise(*when))?, ColourMap::Viridis, "Predicted noise, degrees", &masked))
-        }
-        Shown::Depth(when) => {
-            let quantity = if has_scale(&document.set) { "Depth toward the camera, mm" } else { "Depth, pixels" };
-            Ok(value(stored(PlaneName::Depth(*when))?, ColourMap::Viridis, quantity, &masked))
-        }
-        Shown::Difference(a, b) if are_normals(a, b) => {
-            let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
-            Ok(value(turned, ColourMap::Viridis, "Angle between normals, degrees", &masked))
+            let source = with_marks(masked(source), results, &MarksName::Normals(*name));
+            Ok((source, Display::default()))
         }
         Shown::Surface => Err(PictureError::Surface),
+        Shown::Difference(a, b) if are_normals(a, b) => {
+            let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
+            let display = Display { map: ColourMap::Viridis, range: turned.range, ..Display::default() };
+            Ok((masked(Source::plane(turned.plane.clone())), display))
+        }
         Shown::Difference(a, b) => {
             let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
-            let source = Source::difference(first, second)?;
             let largest = picture(a, document, results)?.display.range[1].abs() / 4.0;
-            Ok(Picture {
-                source: masked(source),
-                display: Display::signed(largest),
-                quantity: difference_of(a, document),
-            })
+            Ok((masked(Source::difference(first, second)?), Display::signed(largest)))
+        }
+        Shown::Plain(name) => {
+            let row = name.plain.row();
+            let own = stored(name.clone().into())?;
+            let range = match row.range {
+                Range::Own => own.range,
+                Range::FromZero => from_zero(own.range),
+                Range::FromZeroTo(other) => {
+                    let other = name.light().and_then(|light| pictures.plane(&other.of(Of::light(light)).into()));
+                    from_zero(other.unwrap_or(own).range)
+                }
+            };
+            Ok((masked(Source::plane(own.plane.clone())), Display { map: row.map, range, ..Display::default() }))
         }
     }
 }
@@ -196,39 +174,10 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::Photo(shot) => stored(PlaneName::Photo(shot.clone())),
         Shown::Bounce { light, k } => bounce(document, results, light, *k),
         Shown::Sum { light } => sum(document, results, light),
-        Shown::Residual { light } => stored(PlaneName::Residual(light.clone())),
-        Shown::Noise { light } => stored(PlaneName::Noise(light.clone())),
-        Shown::Direct { light } => stored(PlaneName::Direct(light.clone())),
-        Shown::DirectBy { method, light } => stored(PlaneName::DirectBy(*method, light.clone())),
-        Shown::Albedo(when) => stored(PlaneName::Albedo(*when)),
-        Shown::NormalNoise(when) => stored(PlaneName::NormalNoise(*when)),
-        Shown::Depth(when) => stored(PlaneName::Depth(*when)),
+        Shown::Plain(name) => stored(name.clone().into()),
         Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Surface | Shown::Difference(..) => {
             Err(PictureError::SeveralValues { title: shown.title() })
         }
-    }
-}
-
-/// What a difference is of, with its unit.
-fn difference_of(a: &Shown, document: &Document) -> &'static str {
-    match (a, has_scale(&document.set)) {
-        (Shown::Depth(_), true) => "Difference of depth, mm",
-        (Shown::Depth(_), false) => "Difference of depth, pixels",
-        (Shown::NormalNoise(_), _) => "Difference of noise, degrees",
-        (Shown::Albedo(_), _) => "Difference of albedo",
-        _ => "Difference of linear light",
-    }
-}
-
-/// The unit of a picture's numbers, after a space; empty where they have none.
-pub fn unit_of(shown: &Shown, document: &Document) -> &'static str {
-    match (shown, has_scale(&document.set)) {
-        (Shown::Depth(_), true) => " mm",
-        (Shown::Depth(_), false) => " pixels",
-        (Shown::NormalNoise(_), _) => " degrees",
-        (Shown::Difference(a, b), _) if are_normals(a, b) => " degrees",
-        (Shown::Difference(a, _), _) => unit_of(a, document),
-        _ => "",
     }
 }
 
@@ -292,14 +241,13 @@ fn reference<'a>(document: &Document, results: &'a Results, light: &str) -> Opti
     results.pictures().plane(&PlaneName::Photo(name))
 }
 
-fn value(stored: &Stored, map: ColourMap, quantity: &'static str, masked: &dyn Fn(Source) -> Source) -> Picture {
-    let display = Display { map, range: stored.range, ..Display::default() };
-    Picture { source: masked(Source::plane(stored.plane.clone())), display, quantity }
-}
-
 /// Light from black to the brightest value.
 fn grey(range: [f32; 2]) -> Display {
-    Display { range: [0.0, range[1].max(f32::MIN_POSITIVE)], ..Display::default() }
+    Display { range: from_zero(range), ..Display::default() }
+}
+
+fn from_zero(range: [f32; 2]) -> [f32; 2] {
+    [0.0, range[1].max(f32::MIN_POSITIVE)]
 }
 
 fn all_marks(display: Display) -> Display {
@@ -323,33 +271,9 @@ fn with_marks(source: Source, results: &Results, name: &MarksName) -> Source {
     }
 }
 
-fn has_scale(set: &CaptureSet) -> bool {
-    use firstbounce_capture::set::Projection;
-    !matches!(set.camera.projection, Projection::Orthographic { mm_per_pixel: None })
-}
-
-/// The stage that a picture comes from. Bounces are computed of the photos while they are drawn.
-fn step_of(shown: &Shown) -> Step {
-    if let Some(method) = shown.by_method() {
-        return Step::ByMethod(method);
-    }
-    match shown {
-        Shown::Photo(_) | Shown::Bounce { .. } | Shown::Sum { .. } | Shown::FigureOne { .. } => Step::Load,
-        Shown::Difference(a, b) => step_of(a).max(step_of(b)),
-        Shown::Residual { .. } | Shown::Noise { .. } | Shown::Marks { .. } => Step::Separate,
-        Shown::Direct { .. }
-        | Shown::DirectBy { .. }
-        | Shown::Normals(_)
-        | Shown::Albedo(_)
-        | Shown::NormalNoise(_)
-        | Shown::Depth(_) => Step::Shape,
-        Shown::Surface => Step::Mesh,
-    }
-}
-
 /// What keeps a picture that is shown from being that of the document: it is the last that could be made.
 pub fn outdated(shown: &Shown, document: &Document, results: &Results) -> Option<String> {
-    let step = step_of(shown);
+    let step = shown.step();
     match results.state(step, document) {
         StageState::Failed { line } | StageState::Blocked { line } if step > Step::Load => {
             Some(format!("Of earlier values: {line}"))
@@ -363,10 +287,12 @@ fn not_yet(shown: &Shown, document: &Document, results: &Results) -> PictureErro
     if let Shown::Photo(name) = shown {
         return no_photo(name, document, results);
     }
-    if matches!(shown, Shown::Residual { .. }) && results.rig(document).bounces >= document.set.colours.len() {
-        return PictureError::NoResidual;
+    if let Shown::Plain(name) = shown
+        && let Some(line) = (name.plain.row().impossible)(&document.set)
+    {
+        return PictureError::Impossible { line };
     }
-    let step = step_of(shown);
+    let step = shown.step();
     match results.state(step, document) {
         StageState::Failed { line } | StageState::Blocked { line } => PictureError::Step { line },
         StageState::Stale | StageState::Running { .. } => PictureError::Running { step },

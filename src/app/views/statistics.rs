@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::picture::{sides, unit_of};
+use super::picture::sides;
 use crate::app::base::jobs::{Jobs, Task};
 use crate::app::base::keyed::Keyed;
 use crate::app::state::document::Document;
@@ -36,7 +36,7 @@ impl Statistics {
             self.of_view.remove(&view);
             return None;
         };
-        let unit = unit_of(shown, document);
+        let unit = shown.quantity(&document.set).unit;
         let [a, b] = sides(a, b, document, results).ok()?;
         let terms: Terms = a.terms().iter().chain(b.terms()).map(|(plane, weight)| (plane.key, *weight)).collect();
         let found = self.of_view.entry(view).or_default();

@@ -27,6 +27,14 @@ impl SurfaceName {
         std::iter::once(Self::Before).chain(Method::ALL.into_iter().map(Self::After))
     }
 
+    /// The method, where it is not the paper's own.
+    pub fn other_method(self) -> Option<Method> {
+        match self {
+            Self::Before | Self::AFTER => None,
+            Self::After(method) => Some(method),
+        }
+    }
+
     /// In a sentence: "before", "after" or "by Nayar's method".
     pub fn words(self) -> String {
         match self {

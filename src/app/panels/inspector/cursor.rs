@@ -7,7 +7,7 @@ use super::number;
 use crate::app::state::document::Document;
 use crate::app::state::layout::{Hover, Shown};
 use crate::app::state::session::Session;
-use crate::app::views::{entries, picture, unit_of};
+use crate::app::views::picture;
 use crate::app::widgets::advice::advice;
 
 /// The pixel that is looked at: the one under the pointer last, unless it is held.
@@ -36,7 +36,7 @@ impl Cursor {
             advice(ui, "Point at a pixel, or type its column and row.");
             return;
         };
-        for (group, entries) in entries(document) {
+        for (group, entries) in Shown::offered(document) {
             let of_subject: Vec<_> = entries.into_iter().filter(|entry| entry.subject() == shown.subject()).collect();
             if of_subject.is_empty() {
                 continue;
@@ -87,5 +87,5 @@ fn values(shown: &Shown, (x, y): (usize, usize), document: &Document, session: &
     let picture = picture(shown, document, &session.results).ok()?;
     let values = picture.source.values_at(x, y);
     let words: Vec<_> = values.iter().map(|value| number(f64::from(*value))).collect();
-    (!words.is_empty()).then(|| words.join(", ") + unit_of(shown, document))
+    (!words.is_empty()).then(|| words.join(", ") + shown.quantity(&document.set).unit)
 }

@@ -8,7 +8,7 @@ use firstbounce_core::methods::by_shape::ByShapeReport;
 
 use crate::app::state::document::{Document, NayarSettings};
 use crate::app::state::layout::Shown;
-use crate::app::state::results::{ByMethod, StageState, Step, SurfaceName};
+use crate::app::state::results::{ByMethod, Of, Plain, StageState, Step, SurfaceName};
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 
@@ -184,12 +184,13 @@ fn convergence(ui: &mut Ui, report: &ByShapeReport, errors: Option<&NayarErrors>
 
 fn pictures(ui: &mut Ui, session: &mut Session, document: &Document, method: Method) {
     let name = SurfaceName::After(method);
-    let minus = |a: Shown, b: Shown| Shown::Difference(Box::new(a), Box::new(b));
-    let mut offered =
-        vec![Shown::Normals(name), Shown::Depth(name), minus(Shown::Depth(name), Shown::Depth(SurfaceName::AFTER))];
-    if let Some(light) = document.set.lights.first().map(|light| light.name.clone()) {
-        let direct = Shown::DirectBy { method, light: light.clone() };
-        offered.extend([direct.clone(), minus(direct, Shown::Direct { light })]);
+    let depth = Plain::Depth.of(name);
+    let minus_after = Shown::difference(depth.clone(), Plain::Depth.of(SurfaceName::AFTER));
+    let mut offered = vec![Shown::Normals(name), depth.into(), minus_after];
+    if let Some(light) = document.set.lights.first() {
+        let direct = Plain::DirectBy.of(Of::light_by(method, &light.name));
+        let minus_bounce_1 = Shown::difference(direct.clone(), Plain::Direct.of(Of::light(&light.name)));
+        offered.extend([direct.into(), minus_bounce_1]);
     }
     ui.horizontal_wrapped(|ui| {
         for shown in offered {

@@ -126,7 +126,8 @@ impl Views {
     }
 
     /// Makes the active view show this.
-    pub fn show(&mut self, shown: Shown) {
+    pub fn show(&mut self, shown: impl Into<Shown>) {
+        let shown = shown.into();
         if self.tree.root().is_none() {
             self.wanted = Some(shown);
         } else if let Some(view) = self.active_mut()

@@ -1,10 +1,12 @@
 //! The pictures that a view can show.
 
+use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::Method;
 use firstbounce_capture::set::Subject;
 use serde::{Deserialize, Serialize};
 
-use crate::app::state::results::{ShotName, SurfaceName};
+use crate::app::state::document::Document;
+use crate::app::state::results::{Place, Plain, PlainPicture, Quantity, ShotName, Step, SurfaceName, stage_of};
 
 /// A picture, by names that survive edits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,30 +25,6 @@ pub enum Shown {
         /// The light's name.
         light: String,
     },
-    /// What the bounces leave of the photos, root mean square over the colours.
-    Residual {
-        /// The light's name.
-        light: String,
-    },
-    /// Predicted noise of bounce 1.
-    Noise {
-        /// The light's name.
-        light: String,
-    },
-    /// Bounce 1 with less noise: what the surface is recovered from.
-    Direct {
-        /// The light's name.
-        light: String,
-    },
-    /// Direct light of a light, as another method finds it.
-    #[serde(alias = "NayarDirect")]
-    DirectBy {
-        /// Which method; that of Nayar in what earlier versions kept.
-        #[serde(default = "nayar")]
-        method: Method,
-        /// The light's name.
-        light: String,
-    },
     /// The reference colour's photo with every marked pixel of the separation tinted.
     Marks {
         /// The light's name.
@@ -59,16 +37,13 @@ pub enum Shown {
     },
     /// Normals.
     Normals(SurfaceName),
-    /// Albedo.
-    Albedo(SurfaceName),
-    /// Predicted noise of the normals in degrees.
-    NormalNoise(SurfaceName),
-    /// Depth.
-    Depth(SurfaceName),
     /// Before, after and a reference in 3D.
     Surface,
     /// One picture of single values minus another.
     Difference(Box<Shown>, Box<Shown>),
+    /// A row of the table of plain pictures, saved under its own name.
+    #[serde(untagged)]
+    Plain(PlainPicture),
 }
 
 impl Default for Shown {
@@ -78,10 +53,21 @@ impl Default for Shown {
     }
 }
 
+impl From<PlainPicture> for Shown {
+    fn from(picture: PlainPicture) -> Self {
+        Self::Plain(picture)
+    }
+}
+
 impl Shown {
     /// The object's photo under a light in a colour.
     pub fn object(light: &str, colour: &str) -> Self {
         Self::Photo(ShotName { subject: Subject::Object, light: Some(light.into()), colour: Some(colour.into()) })
+    }
+
+    /// One picture minus another.
+    pub fn difference(a: impl Into<Self>, b: impl Into<Self>) -> Self {
+        Self::Difference(Box::new(a.into()), Box::new(b.into()))
     }
 
     /// What people call it.
@@ -90,16 +76,9 @@ impl Shown {
             Self::Photo(shot) => photo_title(shot),
             Self::Bounce { light, k } => format!("Bounce {k}, {light}"),
             Self::Sum { light } => format!("Sum of bounces, {light}"),
-            Self::Residual { light } => format!("Residual, {light}"),
-            Self::Noise { light } => format!("Noise of bounce 1, {light}"),
-            Self::Direct { light } => format!("Bounce 1 with less noise, {light}"),
-            Self::DirectBy { method, light } => format!("Direct light by {}, {light}", method.title()),
             Self::Marks { light } => format!("Marks, {light}"),
             Self::FigureOne { light } => format!("Bounces 1 and 2 in colour, {light}"),
-            Self::Normals(when) => format!("Normals {}", when.words()),
-            Self::Albedo(when) => format!("Albedo {}", when.words()),
-            Self::NormalNoise(when) => format!("Noise of the normals {}", when.words()),
-            Self::Depth(when) => format!("Depth {}", when.words()),
+            Self::Normals(name) => format!("Normals {}", name.words()),
             Self::Surface => "Surface in 3D".into(),
             Self::Difference(a, b) => match (&**a, &**b) {
                 (Self::Normals(a), Self::Normals(b)) => {
@@ -107,6 +86,7 @@ impl Shown {
                 }
                 _ => format!("{} minus {}", a.title(), b.title()),
             },
+            Self::Plain(picture) => picture.title(),
         }
     }
 
@@ -114,28 +94,21 @@ impl Shown {
     pub fn light(&self) -> Option<&str> {
         match self {
             Self::Photo(shot) => shot.light.as_deref(),
-            Self::Bounce { light, .. }
-            | Self::Sum { light }
-            | Self::Residual { light }
-            | Self::Noise { light }
-            | Self::Direct { light }
-            | Self::DirectBy { light, .. }
-            | Self::Marks { light }
-            | Self::FigureOne { light } => Some(light),
+            Self::Bounce { light, .. } | Self::Sum { light } | Self::Marks { light } | Self::FigureOne { light } => {
+                Some(light)
+            }
             Self::Difference(a, _) => a.light(),
-            Self::Normals(_) | Self::Albedo(_) | Self::NormalNoise(_) | Self::Depth(_) | Self::Surface => None,
+            Self::Normals(_) | Self::Surface => None,
+            Self::Plain(picture) => picture.light(),
         }
     }
 
     /// The other method whose results it shows.
     pub fn by_method(&self) -> Option<Method> {
         match self {
-            Self::DirectBy { method, .. } => Some(*method),
-            Self::Normals(when) | Self::Albedo(when) | Self::NormalNoise(when) | Self::Depth(when) => match *when {
-                SurfaceName::Before | SurfaceName::AFTER => None,
-                SurfaceName::After(method) => Some(method),
-            },
+            Self::Normals(name) => name.other_method(),
             Self::Difference(a, b) => a.by_method().or_else(|| b.by_method()),
+            Self::Plain(picture) => picture.by_method(),
             _ => None,
         }
     }
@@ -148,10 +121,75 @@ impl Shown {
             _ => Subject::Object,
         }
     }
+
+    /// The stage that it comes from. Bounces are computed of the photos while they are drawn.
+    pub fn step(&self) -> Step {
+        match self {
+            Self::Photo(_) | Self::Bounce { .. } | Self::Sum { .. } | Self::FigureOne { .. } => Step::Load,
+            Self::Marks { .. } => Step::Separate,
+            Self::Normals(name) => stage_of(*name),
+            Self::Surface => Step::Mesh,
+            Self::Difference(a, b) => a.step().max(b.step()),
+            Self::Plain(picture) => picture.step(),
+        }
+    }
+
+    /// What its numbers are.
+    pub fn quantity(&self, set: &CaptureSet) -> Quantity {
+        let plain = |words| Quantity { words, difference: "", unit: "" };
+        match self {
+            Self::Photo(_) | Self::Bounce { .. } | Self::Sum { .. } | Self::Marks { .. } => Quantity::LIGHT,
+            Self::FigureOne { .. } => plain("Bounce 1 red, bounce 2 times 3 cyan"),
+            Self::Normals(_) => plain("Normal x, y, z as red, green, blue"),
+            Self::Surface => plain(""),
+            Self::Difference(a, _) if matches!(**a, Self::Normals(_)) => {
+                Quantity { unit: " degrees", ..plain("Angle between normals, degrees") }
+            }
+            Self::Difference(a, _) => {
+                let of = a.quantity(set);
+                Quantity { words: of.difference, ..of }
+            }
+            Self::Plain(picture) => (picture.plain.row().quantity)(set),
+        }
+    }
+
+    /// The pictures to choose from, by group: what this set has, whether or not it is computed yet.
+    pub fn offered(document: &Document) -> Vec<(String, Vec<Self>)> {
+        let set = &document.set;
+        let mut groups = vec![("Surface".to_owned(), of_surfaces(document))];
+        groups
+            .extend(set.lights.iter().map(|light| (format!("Light {}", light.name), of_light(&light.name, document))));
+        groups.extend(set.subjects().into_iter().map(|subject| {
+            let shots = set.shots_of(subject).map(|shot| Self::Photo(ShotName::of(shot)));
+            (format!("Photos, {subject}"), shots.collect())
+        }));
+        groups
+    }
 }
 
-fn nayar() -> Method {
-    Method::Shape
+fn of_surfaces(document: &Document) -> Vec<Shown> {
+    let others = document.settings.compared.iter().map(|&method| SurfaceName::After(method));
+    let names: Vec<_> = [SurfaceName::AFTER, SurfaceName::Before].into_iter().chain(others).collect();
+    let mut shown: Vec<_> = names.iter().copied().map(Shown::Normals).collect();
+    for plain in Plain::at(Place::Surface) {
+        shown.extend(names.iter().map(|name| plain.of(*name).into()));
+    }
+    shown
+}
+
+fn of_light(light: &str, document: &Document) -> Vec<Shown> {
+    let name = || light.to_owned();
+    let plain = |place| Plain::at(place).flat_map(|plain| plain.under(light, document)).map(Shown::Plain);
+    let bounces = document.set.bounces();
+    let mut shown: Vec<_> = (1..=bounces).map(|k| Shown::Bounce { light: name(), k }).collect();
+    shown.extend(plain(Place::AfterBounces));
+    if bounces > 1 {
+        shown.push(Shown::FigureOne { light: name() });
+    }
+    shown.push(Shown::Sum { light: name() });
+    shown.extend(plain(Place::AfterSum));
+    shown.push(Shown::Marks { light: name() });
+    shown
 }
 
 fn photo_title(shot: &ShotName) -> String {
@@ -161,4 +199,47 @@ fn photo_title(shot: &ShotName) -> String {
     };
     let words = [Some(subject), shot.light.as_deref(), shot.colour.as_deref()];
     words.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{from_value, json, to_value};
+
+    use super::*;
+    use crate::app::state::results::Of;
+
+    #[test]
+    fn saved_layouts_name_pictures_as_earlier_versions_did() {
+        for (saved, shown) in [
+            (json!({"Photo": {"subject": "object", "light": "left", "colour": "blue"}}), Shown::object("left", "blue")),
+            (json!({"Bounce": {"light": "left", "k": 1}}), Shown::Bounce { light: "left".into(), k: 1 }),
+            (json!({"Direct": {"light": "left"}}), Plain::Direct.of(Of::light("left")).into()),
+            (json!({"Residual": {"light": "left"}}), Plain::Residual.of(Of::light("left")).into()),
+            (json!({"Noise": {"light": "left"}}), Plain::Noise.of(Of::light("left")).into()),
+            (
+                json!({"DirectBy": {"method": "nayar", "light": "left"}}),
+                Plain::DirectBy.of(Of::light_by(Method::Shape, "left")).into(),
+            ),
+            (json!({"Normals": "After"}), Shown::default()),
+            (json!({"Albedo": "Before"}), Plain::Albedo.of(SurfaceName::Before).into()),
+            (json!({"NormalNoise": "nayar"}), Plain::NormalNoise.of(SurfaceName::After(Method::Shape)).into()),
+            (json!("Surface"), Shown::Surface),
+            (
+                json!({"Difference": [{"Depth": "After"}, {"Depth": "Before"}]}),
+                Shown::difference(Plain::Depth.of(SurfaceName::AFTER), Plain::Depth.of(SurfaceName::Before)),
+            ),
+        ] {
+            assert_eq!(to_value(&shown).unwrap(), saved);
+            assert_eq!(from_value::<Shown>(saved).unwrap(), shown);
+        }
+    }
+
+    #[test]
+    fn saved_layouts_that_know_one_other_method_mean_nayars() {
+        let direct = Shown::from(Plain::DirectBy.of(Of::light_by(Method::Shape, "left")));
+        for saved in [json!({"NayarDirect": {"light": "left"}}), json!({"DirectBy": {"light": "left"}})] {
+            assert_eq!(from_value::<Shown>(saved).unwrap(), direct);
+        }
+        assert!(from_value::<Shown>(json!({"Nothing": {"light": "left"}})).is_err());
+    }
 }

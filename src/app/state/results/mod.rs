@@ -6,6 +6,7 @@ mod error;
 mod finished;
 mod live;
 mod pictures;
+mod plain;
 mod stages;
 
 use std::any::Any;
@@ -26,6 +27,7 @@ pub use finished::{Finished, last_stage_of};
 pub use firstbounce_capture::pipeline::SurfaceName;
 pub use live::Rig;
 pub use pictures::{MarksName, Pictures, PlaneName, ShotName, Stored, stage_of};
+pub use plain::{Of, Place, Plain, PlainPicture, Quantity, Range};
 pub use stages::{ByMethod, Calibration, Loaded, LoadedShot, Meshes, Shapes, Step};
 
 use engine::{Keys, Row, Running};

@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use firstbounce_capture::pipeline::{Method, SurfaceName};
+use firstbounce_capture::pipeline::SurfaceName;
 use firstbounce_capture::set::{Shot, Subject, Word};
 use firstbounce_core::stereo::shape::Shape;
 use firstbounce_core::{Marks, Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::Step;
+use super::{Plain, PlainPicture, Step};
 use crate::app::base::jobs::drop_aside;
 use crate::gpu::{CanvasMarks, CanvasPlane};
 
@@ -54,24 +54,18 @@ pub enum PlaneName {
     Photo(ShotName),
     /// Bounce k of a light, as it is saved; k counts from 1.
     Bounce(String, usize),
-    /// Predicted noise of bounce 1 of a light.
-    Noise(String),
-    /// What the bounces leave of the photos.
-    Residual(String),
-    /// Bounce 1 with less noise.
-    Direct(String),
-    /// Direct light of a light, as another method finds it.
-    DirectBy(Method, String),
     /// x, y or z of the normals.
     Normal(SurfaceName, usize),
-    /// Albedo.
-    Albedo(SurfaceName),
-    /// Predicted noise of the normals in degrees.
-    NormalNoise(SurfaceName),
     /// By how many degrees taking the bounces out turned the normals; not a number where one of them is missing.
     Turned,
-    /// Depth in the mesh's unit; not a number where there is none.
-    Depth(SurfaceName),
+    /// A row of the table of plain pictures.
+    Plain(PlainPicture),
+}
+
+impl From<PlainPicture> for PlaneName {
+    fn from(picture: PlainPicture) -> Self {
+        Self::Plain(picture)
+    }
 }
 
 /// Marks of the results.
@@ -89,10 +83,7 @@ pub enum MarksName {
 
 /// The stage that gives a surface.
 pub fn stage_of(surface: SurfaceName) -> Step {
-    match surface {
-        SurfaceName::Before | SurfaceName::AFTER => Step::Shape,
-        SurfaceName::After(method) => Step::ByMethod(method),
-    }
+    surface.other_method().map_or(Step::Shape, Step::ByMethod)
 }
 
 /// A plane and where most of its values lie.
@@ -150,10 +141,10 @@ impl PlaneName {
     fn stage(&self) -> Step {
         match self {
             Self::Photo(_) => Step::Load,
-            Self::Bounce(..) | Self::Noise(_) | Self::Residual(_) => Step::Separate,
-            Self::Turned | Self::Direct(_) => Step::Shape,
-            Self::DirectBy(method, _) => Step::ByMethod(*method),
-            Self::Normal(name, _) | Self::Albedo(name) | Self::NormalNoise(name) | Self::Depth(name) => stage_of(*name),
+            Self::Bounce(..) => Step::Separate,
+            Self::Normal(name, _) => stage_of(*name),
+            Self::Turned => Step::Shape,
+            Self::Plain(picture) => picture.step(),
         }
     }
 }
@@ -185,14 +176,14 @@ impl Batch {
         for (axis, plane) in [normals.map.x(), normals.map.y(), normals.map.z()].into_iter().enumerate() {
             self.put_ranged(PlaneName::Normal(name, axis), plane, [-1.0, 1.0]);
         }
-        self.put(PlaneName::Albedo(name), &normals.albedo);
-        self.put(PlaneName::NormalNoise(name), &normals.noise_deg);
-        self.put(PlaneName::Depth(name), &depth_where_known(shape));
+        self.put(Plain::Albedo.of(name), &normals.albedo);
+        self.put(Plain::NormalNoise.of(name), &normals.noise_deg);
+        self.put(Plain::Depth.of(name), &depth_where_known(shape));
         self.put_marks(MarksName::Normals(name), &normals.marks);
     }
 
-    pub fn put(&mut self, name: PlaneName, plane: &Plane) {
-        self.put_ranged(name, plane, range_of(plane));
+    pub fn put(&mut self, name: impl Into<PlaneName>, plane: &Plane) {
+        self.put_ranged(name.into(), plane, range_of(plane));
     }
 
     pub fn put_ranged(&mut self, name: PlaneName, plane: &Plane, range: [f32; 2]) {

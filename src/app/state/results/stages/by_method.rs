@@ -8,10 +8,10 @@ use firstbounce_core::AngularError;
 
 use super::{Calibration, Meshes, Shapes, Step, scene};
 use crate::app::state::document::Document;
-use crate::app::state::results::Results;
 use crate::app::state::results::engine::{AnyKey, Done, Known, Stage, Work};
 use crate::app::state::results::error::StageError;
-use crate::app::state::results::pictures::{Batch, PlaneName};
+use crate::app::state::results::pictures::Batch;
+use crate::app::state::results::{Of, Plain, Results};
 
 /// What another method found.
 #[derive(Clone, Debug)]
@@ -109,7 +109,7 @@ fn found(solved: Solved, shapes: &Shapes) -> Result<ByMethod, StageError> {
 fn pictures(method: Method, found: &ByMethod) -> Batch {
     let mut batch = Batch::new(Step::ByMethod(method));
     for (light, direct) in found.solved.set.lights.iter().zip(found.solved.direct.deref()) {
-        batch.put(PlaneName::DirectBy(method, light.name.clone()), &direct.light);
+        batch.put(Plain::DirectBy.of(Of::light_by(method, &light.name)), &direct.light);
     }
     batch.put_shape(SurfaceName::After(method), &found.surface.shape);
     batch

@@ -6,10 +6,10 @@ use firstbounce_capture::pipeline::{Separated, separate_lights};
 
 use super::{Calibration, Loaded, Step, bits, scene};
 use crate::app::state::document::Document;
-use crate::app::state::results::Results;
 use crate::app::state::results::engine::{AnyKey, Done, Known, Stage, Work};
 use crate::app::state::results::error::StageError;
 use crate::app::state::results::pictures::{Batch, MarksName, PlaneName};
+use crate::app::state::results::{Of, Plain, Results};
 
 /// The stage.
 pub struct Separate;
@@ -77,17 +77,16 @@ impl Stage for Separate {
 fn pictures<'a>(lights: impl Iterator<Item = &'a str>, separated: &Separated) -> Batch {
     let mut batch = Batch::new(Step::Separate);
     for (light, separation) in lights.zip(&separated.lights) {
-        let light = || light.to_owned();
         for (k, bounce) in (1..).zip(&separation.bounces) {
-            batch.put(PlaneName::Bounce(light(), k), bounce);
+            batch.put(PlaneName::Bounce(light.into(), k), bounce);
         }
         if let Some(noise) = &separation.direct_noise {
-            batch.put(PlaneName::Noise(light()), noise);
+            batch.put(Plain::Noise.of(Of::light(light)), noise);
         }
         if let Some(residual) = &separation.residual {
-            batch.put(PlaneName::Residual(light()), residual);
+            batch.put(Plain::Residual.of(Of::light(light)), residual);
         }
-        batch.put_marks(MarksName::Separation(light()), &separation.marks);
+        batch.put_marks(MarksName::Separation(light.into()), &separation.marks);
     }
     batch
 }

@@ -15,10 +15,10 @@ use rayon::prelude::*;
 use super::{Calibration, Loaded, Step, bits, scene};
 use crate::app::base::jobs::Job;
 use crate::app::state::document::Document;
-use crate::app::state::results::Results;
 use crate::app::state::results::engine::{AnyKey, Done, Known, Stage, Work};
 use crate::app::state::results::error::StageError;
 use crate::app::state::results::pictures::{Batch, PlaneName};
+use crate::app::state::results::{Of, Plain, Results};
 
 /// Normals and depth.
 #[derive(Clone, Debug)]
@@ -119,7 +119,7 @@ fn shapes(
 fn pictures(set: &CaptureSet, shapes: &Shapes) -> Batch {
     let mut batch = Batch::new(Step::Shape);
     for (light, direct) in set.lights.iter().zip(&*shapes.direct) {
-        batch.put(PlaneName::Direct(light.name.clone()), &direct.light);
+        batch.put(Plain::Direct.of(Of::light(&light.name)), &direct.light);
     }
     batch.put_shape(SurfaceName::AFTER, &shapes.after);
     batch.put_shape(SurfaceName::Before, &shapes.before);
