@@ -3,7 +3,7 @@
 use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Exposed, survey};
-use firstbounce_capture::set::{Shot, SphereKind, Subject};
+use firstbounce_capture::set::{BallValue, Shot, Subject};
 use serde::Serialize;
 
 use super::progress::Terminal;
@@ -110,8 +110,7 @@ fn missing_files(set: &CaptureSet) -> Vec<String> {
 fn lacks(set: &CaptureSet) -> Vec<String> {
     let given = &set.calibration;
     let all = |known: &dyn Fn(&str) -> bool| set.lights.iter().all(|light| known(&light.name));
-    let has = |kind: SphereKind| set.subject_with(kind).is_some();
-    let (grey, mirror) = (has(SphereKind::Grey), has(SphereKind::Mirror));
+    let no_ball_for = |value| !set.has_ball_for(value);
     let several = set.colours.len() > 1;
     let placed = |light: &str| {
         let position = set.light_index(light).and_then(|l| set.lights[l].position_mm);
@@ -119,14 +118,20 @@ fn lacks(set: &CaptureSet) -> Vec<String> {
     };
     let wants = [
         (set.lights.len() < 3, "a third light: normals need three, the bounces come out all the same"),
-        (several && !grey && !all(&|l| given.alpha.contains_key(l)), "alpha: photograph a grey ball, or type it"),
         (
-            several && !has(SphereKind::Material) && given.beta.is_none(),
+            several && no_ball_for(BallValue::Alpha) && !all(&|l| given.alpha.contains_key(l)),
+            "alpha: photograph a grey ball, or type it",
+        ),
+        (
+            several && no_ball_for(BallValue::Beta) && given.beta.is_none(),
             "beta: photograph a ball of the object's paint, or type it",
         ),
-        (!grey && !mirror && !all(&placed), "directions: photograph a mirror or grey ball, or type them"),
         (
-            !grey && !all(&|l| given.intensity.contains_key(l)),
+            no_ball_for(BallValue::Direction) && !all(&placed),
+            "directions: photograph a mirror or grey ball, or type them",
+        ),
+        (
+            no_ball_for(BallValue::Intensity) && !all(&|l| given.intensity.contains_key(l)),
             "intensities: photograph a grey ball, or type them; without, all lamps count as equally strong",
         ),
         (set.mask.is_none(), "a mask: without one the object is the brighter part of the photos"),

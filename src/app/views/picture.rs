@@ -1,6 +1,5 @@
 //! From what is to be shown to numbers and colours.
 
-use firstbounce_capture::set::Subject;
 use firstbounce_core::image::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 use thiserror::Error;
@@ -100,7 +99,7 @@ fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Sourc
             let source = Source::plane(photo.plane.clone());
             let source = with_marks(source, results, &MarksName::Photo(shot.clone()));
             let mut display = grey(photo.range);
-            if shot.subject == Subject::MirrorSphere {
+            if shot.subject.is_shiny_ball() {
                 // All but the highlight is dark there.
                 display.tints[DARK.trailing_zeros() as usize] = Tint::default();
             }

@@ -8,7 +8,7 @@ use firstbounce_core::stereo::shape::ShapeOptions;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-pub use super::subject::{Naming, SphereKind, Subject};
+pub use super::subject::{BallValue, Naming, SphereKind, Subject};
 pub use crate::image_file::{Channel, Encoding};
 
 /// One object photographed under several lights in several colours.

@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 
 use super::model::*;
 use super::number::length;
+use super::word::Word;
 
 impl CaptureSet {
     /// The name, or the folder's where the file gives none.
@@ -123,6 +124,11 @@ impl CaptureSet {
         let own = kind.subject();
         let alone = self.shots_of(own).next().map(|_| own);
         alone.or_else(|| self.circle(Subject::Object, kind).map(|_| Subject::Object))
+    }
+
+    /// Whether the set shows a ball that gives this value.
+    pub fn has_ball_for(&self, value: BallValue) -> bool {
+        SphereKind::ALL.iter().any(|kind| kind.gives(value) && self.subject_with(*kind).is_some())
     }
 
     /// Puts the circle of a ball, in place of one of the same subject and kind if there is one.

@@ -34,6 +34,19 @@ pub enum SphereKind {
     Mirror,
 }
 
+/// A value of a rig or a paint that a ball can give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BallValue {
+    /// The strength of each colour of a light over the reference colour's.
+    Alpha,
+    /// The paint's albedo in each colour over the reference colour's.
+    Beta,
+    /// The strength of a light over the first light's.
+    Intensity,
+    /// The direction to a light.
+    Direction,
+}
+
 /// Whether a shot names its light, or its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Naming {
@@ -66,6 +79,8 @@ struct SphereRow {
     title: &'static str,
     /// The shots that it fills by itself.
     subject: Subject,
+    /// What it is looked at for.
+    gives: &'static [BallValue],
 }
 
 impl Subject {
@@ -144,6 +159,11 @@ impl Subject {
         self.row().matte
     }
 
+    /// Whether it is a ball that mirrors its surroundings: all but the highlight is dark there.
+    pub fn is_shiny_ball(self) -> bool {
+        self.sphere_kind().is_some() && !self.is_matte()
+    }
+
     /// Whether its shots name their light.
     pub fn light(self) -> Naming {
         self.row().light
@@ -162,12 +182,23 @@ impl Subject {
 
 impl SphereKind {
     const fn row(self) -> SphereRow {
+        use BallValue::{Alpha, Beta, Direction, Intensity};
         match self {
-            Self::Grey => SphereRow { word: "grey", title: "Grey ball", subject: Subject::GreySphere },
-            Self::Material => {
-                SphereRow { word: "material", title: "Ball of the paint", subject: Subject::MaterialSphere }
+            Self::Grey => SphereRow {
+                word: "grey",
+                title: "Grey ball",
+                subject: Subject::GreySphere,
+                gives: &[Alpha, Intensity, Direction],
+            },
+            Self::Material => SphereRow {
+                word: "material",
+                title: "Ball of the paint",
+                subject: Subject::MaterialSphere,
+                gives: &[Beta],
+            },
+            Self::Mirror => {
+                SphereRow { word: "mirror", title: "Mirror ball", subject: Subject::MirrorSphere, gives: &[Direction] }
             }
-            Self::Mirror => SphereRow { word: "mirror", title: "Mirror ball", subject: Subject::MirrorSphere },
         }
     }
 
@@ -179,6 +210,11 @@ impl SphereKind {
     /// The shots that a ball of this kind fills by itself.
     pub fn subject(self) -> Subject {
         self.row().subject
+    }
+
+    /// Whether it is looked at for this value.
+    pub fn gives(self, value: BallValue) -> bool {
+        self.row().gives.contains(&value)
     }
 }
 

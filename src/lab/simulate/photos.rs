@@ -42,7 +42,7 @@ pub(super) fn photograph(
                 return Err(SimulateError::Cancelled);
             }
             for (c, light) in studio.light(subject, l, &rendering.lights[l])?.iter().enumerate() {
-                let colour = (subject != Subject::MirrorSphere).then_some(c);
+                let colour = (!subject.is_shiny_ball()).then_some(c);
                 let stream = (photos.len() + 1) as u64;
                 let stored = studio.levels.stored(&options.sensor.expose(light, stream)?);
                 photos.push(StoredPhoto { subject, light: l, colour, stored });
@@ -160,7 +160,7 @@ impl<'a> Studio<'a> {
             (Subject::Object, _) | (_, None) => {
                 object.all.iter().zip(factors).map(|(plane, factor)| scaled(plane, factor as f32)).collect()
             }
-            (Subject::MirrorSphere, Some(balls)) => return Ok(vec![self.mirror_ball(balls, l)]),
+            (_, Some(balls)) if subject.is_shiny_ball() => return Ok(vec![self.mirror_ball(balls, l)]),
             (_, Some(balls)) => {
                 let lamp = self.options.lamps[l].lamp();
                 let picture = self.ball(balls);

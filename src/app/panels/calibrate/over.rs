@@ -24,7 +24,7 @@ pub fn ui(panel: &mut Calibrate, ui: &mut Ui, over: &Over<'_>, session: &mut Ses
     };
     for kind in &kinds {
         panel.pixels.paint(ui, over, session, shot, *kind);
-        if *kind == SphereKind::Mirror {
+        if kind.subject().is_shiny_ball() {
             panel.highlights.paint(ui, over, session, shot);
         }
     }

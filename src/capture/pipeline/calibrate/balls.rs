@@ -8,7 +8,7 @@ use indexmap::IndexMap;
 
 use super::super::{PhotoStore, PipelineError, PipelineWatch, SubjectPhotos, load_subject};
 use super::{BallCircle, Preference};
-use crate::set::{self, CaptureSet, Projection, Sphere, SphereKind, Subject};
+use crate::set::{self, BallValue, CaptureSet, Projection, Sphere, SphereKind, Subject, Word};
 
 /// Standard deviation of a circle that the file gives, in pixels: the program wrote it, or the user snapped it to the edge.
 const GIVEN_CIRCLE_SD_PX: f64 = 0.1;
@@ -38,16 +38,14 @@ pub(super) fn needed(set: &CaptureSet, preference: Preference) -> Vec<SphereKind
     let given = &set.calibration;
     let all = |known: &dyn Fn(&str) -> bool| set.lights.iter().all(|light| known(&light.name));
     let balls_only = preference != Preference::File;
-    let alpha = balls_only || set.colours.len() > 1 && !all(&|light| given.alpha.contains_key(light));
-    let direction = balls_only || !all(&|light| set.given_direction(light).is_some());
-    let intensity = balls_only || !all(&|light| given.intensity.contains_key(light));
-    let beta = balls_only || set.colours.len() > 1 && given.beta.is_none();
-    let balls = [
-        (alpha || direction || intensity, SphereKind::Grey),
-        (beta, SphereKind::Material),
-        (direction, SphereKind::Mirror),
+    let values = [
+        (BallValue::Alpha, set.colours.len() > 1 && !all(&|light| given.alpha.contains_key(light))),
+        (BallValue::Beta, set.colours.len() > 1 && given.beta.is_none()),
+        (BallValue::Intensity, !all(&|light| given.intensity.contains_key(light))),
+        (BallValue::Direction, !all(&|light| set.given_direction(light).is_some())),
     ];
-    balls.into_iter().filter(|(needed, _)| *needed).map(|(_, kind)| kind).collect()
+    let is_needed = |kind: &SphereKind| values.iter().any(|(value, open)| (*open || balls_only) && kind.gives(*value));
+    SphereKind::ALL.iter().copied().filter(is_needed).collect()
 }
 
 /// The subjects whose photos show the balls that have to be looked at, each once.

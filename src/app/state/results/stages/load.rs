@@ -158,7 +158,7 @@ fn loaded_shot(shot: &Shot, light: &ShotLight) -> LoadedShot {
 
 /// What is shown as white. On a mirror ball the brightest spot matters, elsewhere all but it.
 fn white_of(subject: Subject, photo: &Plane) -> f32 {
-    if subject == Subject::MirrorSphere {
+    if subject.is_shiny_ball() {
         photo.data().par_iter().copied().filter(|light| light.is_finite()).reduce(|| f32::MIN_POSITIVE, f32::max)
     } else {
         range_of(photo)[1]
