@@ -5,6 +5,7 @@ use std::path::Path;
 use eframe::egui::emath::Numeric;
 use eframe::egui::{ComboBox, Grid, RichText, Ui};
 use firstbounce_capture::mesh_file::read::LengthScale;
+use firstbounce_lab::simulate::{Exposure, SimulateOptions};
 
 use super::mesh::MeshChoice;
 use super::values::{LampKind, SceneKind, Values};
@@ -55,22 +56,22 @@ fn scene(ui: &mut Ui, values: &mut Values, mesh: &mut MeshChoice, session: &mut 
     heading(ui, "Scene");
     ui.horizontal_wrapped(|ui| {
         for kind in SceneKind::ALL {
-            if ui.radio_value(&mut values.scene, kind, kind.title()).changed() {
-                values.take_measures();
+            if ui.radio_value(&mut values.scene.kind, kind, kind.title()).changed() {
+                values.scene.take_measures();
             }
         }
     });
-    if values.scene == SceneKind::Mesh {
+    if values.scene.kind == SceneKind::Mesh {
         mesh_file(ui, values, mesh, session);
     }
     rows(ui, "measures", |ui| {
-        if let Some(name) = values.scene.size_name() {
-            row(ui, name, &mut values.size_mm, ANY, " mm");
+        if let Some(name) = values.scene.kind.size_name() {
+            row(ui, name, &mut values.scene.size_mm, ANY, " mm");
         }
-        if let Some((name, _)) = values.scene.angle() {
-            row(ui, name, &mut values.angle_deg, ANY, "\u{b0}");
+        if let Some((name, _)) = values.scene.kind.angle() {
+            row(ui, name, &mut values.scene.angle_deg, ANY, "\u{b0}");
         }
-        row(ui, "Patches that exchange light", &mut values.patches, (2, 60_000), "");
+        row(ui, "Patches that exchange light", &mut values.base.patches, (2, 60_000), "");
     });
 }
 
@@ -82,13 +83,16 @@ fn mesh_file(ui: &mut Ui, values: &mut Values, mesh: &mut MeshChoice, session: &
         if ui.button("Use this mesh").clicked() && !mesh.field.text.trim().is_empty() {
             chosen = Some(Path::new(mesh.field.text.trim()).to_owned());
         }
-        ComboBox::from_label("Unit of the mesh").width(70.0).selected_text(values.unit.name()).show_ui(ui, |ui| {
-            for unit in LengthScale::ALL {
-                ui.selectable_value(&mut values.unit, unit, unit.name());
-            }
-        });
+        ComboBox::from_label("Unit of the mesh").width(70.0).selected_text(values.scene.unit.name()).show_ui(
+            ui,
+            |ui| {
+                for unit in LengthScale::ALL {
+                    ui.selectable_value(&mut values.scene.unit, unit, unit.name());
+                }
+            },
+        );
     });
-    ui.checkbox(&mut values.flip, "Turn its faces the other way round");
+    ui.checkbox(&mut values.scene.flip, "Turn its faces the other way round");
     if let Some(path) = chosen {
         mesh.choose(&path, values);
     }
@@ -100,25 +104,25 @@ fn mesh_file(ui: &mut Ui, values: &mut Values, mesh: &mut MeshChoice, session: &
 fn paint(ui: &mut Ui, values: &mut Values) {
     heading(ui, "Paint, by lamp colour");
     rows(ui, "albedos", |ui| {
-        for (c, albedo) in values.albedos.iter_mut().enumerate() {
+        for (c, albedo) in values.base.albedos.iter_mut().enumerate() {
             row(ui, &format!("Albedo in c{}", c + 1), albedo, ANY, "");
         }
     });
     ui.horizontal(|ui| {
-        let count = values.albedos.len();
+        let count = values.base.albedos.len();
         ui.add_enabled_ui(count < MAX_COLOURS, |ui| {
             if ui.button("Add a colour").clicked() {
-                let last = values.albedos.last().copied().unwrap_or(1.0);
-                values.albedos.push(NEXT_ALBEDO * last);
+                let last = values.base.albedos.last().copied().unwrap_or(1.0);
+                values.base.albedos.push(NEXT_ALBEDO * last);
             }
         });
         ui.add_enabled_ui(count > 1, |ui| {
             if ui.button("Remove the last colour").clicked() {
-                values.albedos.pop();
+                values.base.albedos.pop();
             }
         });
     });
-    let words = match values.albedos.len() {
+    let words = match values.base.albedos.len() {
         1 => "One colour cannot separate bounces.".to_owned(),
         2 => "Two colours separate bounces up to order m = 2. c1 is the reference colour.".to_owned(),
         count => format!("{count} colours separate bounces up to order m = {count}. c1 is the reference colour."),
@@ -130,22 +134,22 @@ fn lights(ui: &mut Ui, values: &mut Values) {
     heading(ui, "Lights on a ring");
     ui.horizontal_wrapped(|ui| {
         for kind in LampKind::ALL {
-            ui.radio_value(&mut values.lamps, kind, kind.title());
+            ui.radio_value(&mut values.ring.kind, kind, kind.title());
         }
     });
-    let mut count = values.intensities.len();
+    let mut count = values.ring.intensities.len();
     rows(ui, "ring", |ui| {
         if row(ui, "Number of lights", &mut count, (1, MAX_LAMPS), "") {
-            values.resize_ring(count);
+            values.ring.resize(count);
         }
-        row(ui, "Tilt from the camera's axis", &mut values.tilt_deg, ANY, "\u{b0}");
-        if values.lamps != LampKind::Distant {
-            row(ui, "Distance of the lamps", &mut values.lamp_distance_mm, ANY, " mm");
+        row(ui, "Tilt from the camera's axis", &mut values.ring.tilt_deg, ANY, "\u{b0}");
+        if values.ring.kind != LampKind::Distant {
+            row(ui, "Distance of the lamps", &mut values.ring.distance_mm, ANY, " mm");
         }
-        if values.lamps == LampKind::Area {
-            row(ui, "Side of a lamp", &mut values.lamp_side_mm, ANY, " mm");
+        if values.ring.kind == LampKind::Area {
+            row(ui, "Side of a lamp", &mut values.ring.side_mm, ANY, " mm");
         }
-        for (l, intensity) in values.intensities.iter_mut().enumerate() {
+        for (l, intensity) in values.ring.intensities.iter_mut().enumerate() {
             row(ui, &format!("Intensity of light{}", l + 1), intensity, ANY, "");
         }
     });
@@ -154,25 +158,27 @@ fn lights(ui: &mut Ui, values: &mut Values) {
 fn camera(ui: &mut Ui, values: &mut Values) {
     heading(ui, "Camera");
     ui.horizontal_wrapped(|ui| {
-        ui.radio_value(&mut values.is_perspective, false, "Orthographic");
-        ui.radio_value(&mut values.is_perspective, true, "Perspective");
+        ui.radio_value(&mut values.lens.is_perspective, false, "Orthographic");
+        ui.radio_value(&mut values.lens.is_perspective, true, "Perspective");
     });
     rows(ui, "camera", |ui| {
-        if values.is_perspective {
-            row(ui, "Working distance", &mut values.distance_mm, ANY, " mm");
+        if values.lens.is_perspective {
+            row(ui, "Working distance", &mut values.lens.distance_mm, ANY, " mm");
         }
-        row(ui, "Side of the picture", &mut values.pixels, (16, 4096), " px");
+        row(ui, "Side of the picture", &mut values.base.size_px, (16, 4096), " px");
     });
 }
 
 fn sensor(ui: &mut Ui, values: &mut Values) {
     heading(ui, "Sensor");
+    let SimulateOptions { sensor, exposure: Exposure::Brightest(light) | Exposure::White(light), .. } =
+        &mut values.base;
     rows(ui, "sensor", |ui| {
-        row(ui, "Bits", &mut values.bits, (1, 16), "");
-        row(ui, "Frames averaged", &mut values.frames, (1, 10_000), "");
-        row(ui, "Full well", &mut values.full_well, ANY, " electrons");
-        row(ui, "Read noise", &mut values.read_noise, ANY, " electrons");
-        row(ui, "Light of the brightest pixel", &mut values.exposure, ANY, " of white");
-        row(ui, "Seed of the noise", &mut values.seed, (0, u64::from(u32::MAX)), "");
+        row(ui, "Bits", &mut sensor.bits, (1, 16), "");
+        row(ui, "Frames averaged", &mut sensor.frames, (1, 10_000), "");
+        row(ui, "Full well", &mut sensor.full_well_electrons, ANY, " electrons");
+        row(ui, "Read noise", &mut sensor.read_noise_electrons, ANY, " electrons");
+        row(ui, "Light of the brightest pixel", light, ANY, " of white");
+        row(ui, "Seed of the noise", &mut sensor.seed, (0, u64::from(u32::MAX)), "");
     });
 }

@@ -47,7 +47,7 @@ impl MeshChoice {
     /// Chooses a file.
     pub fn choose(&mut self, path: &Path, values: &Values) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        self.want((path, values.unit, values.flip));
+        self.want((path, values.scene.unit, values.scene.flip));
     }
 
     fn want(&mut self, wanted: Wanted) {
@@ -59,10 +59,10 @@ impl MeshChoice {
 
     /// Takes what was read, and reads what is wanted.
     pub fn update(&mut self, values: &Values, session: &mut Session) {
-        if values.scene != SceneKind::Mesh {
+        if values.scene.kind != SceneKind::Mesh {
             return;
         }
-        let now = self.wanted.clone().map(|(path, ..)| (path, values.unit, values.flip));
+        let now = self.wanted.clone().map(|(path, ..)| (path, values.scene.unit, values.scene.flip));
         if let Some(now) = now.filter(|now| self.wanted.as_ref() != Some(now)) {
             self.want(now);
         }

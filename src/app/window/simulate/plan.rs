@@ -62,7 +62,7 @@ pub fn ui(ui: &mut Ui, live: &Live<PlanFor, Planned>, values: &mut Values) {
         }
     });
     order(ui, values);
-    let frames = values.frames;
+    let frames = values.base.sensor.frames;
     let Some(Planned { plan, advice: words }) = live.outcome().map(AsRef::as_ref) else {
         advice(ui, "The error of the normals that this rig can be expected to have comes here.");
         return;
@@ -103,7 +103,7 @@ pub fn ui(ui: &mut Ui, live: &Live<PlanFor, Planned>, values: &mut Values) {
 
 /// The order m that the set will be separated with, where there is a choice.
 fn order(ui: &mut Ui, values: &mut Values) {
-    let (colours, chosen) = (values.albedos.len(), values.order());
+    let (colours, chosen) = (values.base.albedos.len(), values.order());
     if colours < 3 {
         return;
     }

@@ -3,7 +3,7 @@
 use firstbounce_capture::mesh_file::read::LengthScale;
 use firstbounce_core::light::scene::Lens;
 use firstbounce_lab::Sensor;
-use firstbounce_lab::simulate::{BallOptions, Exposure, LampOptions, Measures, Scene, SimulateError, SimulateOptions};
+use firstbounce_lab::simulate::{BallOptions, LampOptions, Measures, Scene, SimulateError, SimulateOptions};
 use thiserror::Error;
 
 use super::mesh::{MeshChoice, NoScene};
@@ -93,69 +93,67 @@ impl LampKind {
 /// What is chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
-    pub scene: SceneKind,
-    pub size_mm: f64,
-    pub angle_deg: f64,
-    pub unit: LengthScale,
-    pub flip: bool,
-    pub patches: usize,
-    pub albedos: Vec<f64>,
+    pub scene: SceneValues,
+    pub ring: RingValues,
+    pub lens: LensValues,
+    pub balls: bool,
     /// The order m that is planned for.
     pub bounces: usize,
-    pub lamps: LampKind,
+    /// Patches, paint, pictures and sensor, which the options take as they are; the rest is made of the above.
+    pub base: SimulateOptions,
+}
+
+/// What is photographed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneValues {
+    pub kind: SceneKind,
+    pub size_mm: f64,
+    pub angle_deg: f64,
+    /// Of a mesh.
+    pub unit: LengthScale,
+    /// Whether the faces of a mesh are turned round.
+    pub flip: bool,
+}
+
+/// The lamps on their ring.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RingValues {
+    pub kind: LampKind,
     pub tilt_deg: f64,
     /// Of near lamps, from the object.
-    pub lamp_distance_mm: f64,
+    pub distance_mm: f64,
     /// Of square lamps.
-    pub lamp_side_mm: f64,
-    /// Of each lamp of the ring.
+    pub side_mm: f64,
+    /// Of each lamp.
     pub intensities: Vec<f64>,
+}
+
+/// The lens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LensValues {
     pub is_perspective: bool,
     pub distance_mm: f64,
-    pub pixels: usize,
-    pub bits: u32,
-    pub frames: usize,
-    pub full_well: f64,
-    pub read_noise: f64,
-    /// Linear light of the brightest pixel.
-    pub exposure: f64,
-    pub balls: bool,
-    pub seed: u64,
 }
 
 impl Default for Values {
     fn default() -> Self {
-        let options = SimulateOptions::default();
-        let exposure = match options.exposure {
-            Exposure::Brightest(light) | Exposure::White(light) => light,
-        };
-        let mut values = Self {
-            scene: SceneKind::default(),
-            size_mm: 0.0,
-            angle_deg: 0.0,
-            unit: LengthScale::default(),
-            flip: false,
-            patches: options.patches,
-            albedos: options.albedos,
+        let base = SimulateOptions::default();
+        let mut scene = SceneValues::default();
+        scene.take_measures();
+        Self {
+            scene,
+            ring: RingValues {
+                kind: LampKind::default(),
+                tilt_deg: DEFAULT_TILT_DEG,
+                distance_mm: DEFAULT_DISTANCE_MM,
+                side_mm: DEFAULT_LAMP_SIDE_MM,
+                intensities: base.lamps.iter().map(|lamp| lamp.intensity).collect(),
+            },
+            lens: LensValues { is_perspective: false, distance_mm: DEFAULT_DISTANCE_MM },
+            balls: base.balls.is_some(),
             bounces: 2,
-            lamps: LampKind::default(),
-            tilt_deg: DEFAULT_TILT_DEG,
-            lamp_distance_mm: DEFAULT_DISTANCE_MM,
-            lamp_side_mm: DEFAULT_LAMP_SIDE_MM,
-            intensities: options.lamps.iter().map(|lamp| lamp.intensity).collect(),
-            is_perspective: false,
-            distance_mm: DEFAULT_DISTANCE_MM,
-            pixels: options.size_px,
-            bits: options.sensor.bits,
-            frames: options.sensor.frames,
-            full_well: options.sensor.full_well_electrons,
-            read_noise: options.sensor.read_noise_electrons,
-            exposure,
-            balls: options.balls.is_some(),
-            seed: options.sensor.seed,
-        };
-        values.take_measures();
-        values
+            base,
+        }
     }
 }
 
@@ -170,34 +168,52 @@ pub enum ValuesError {
     Options(#[from] SimulateError),
 }
 
-impl Values {
+impl SceneValues {
     /// Gives the shape its usual measures.
     pub fn take_measures(&mut self) {
-        self.size_mm = self.scene.built_in(Measures::default()).and_then(|scene| scene.size_mm()).unwrap_or(0.0);
-        self.angle_deg = self.scene.angle().map_or(0.0, |(_, degrees)| degrees);
+        self.size_mm = self.kind.built_in(Measures::default()).and_then(|scene| scene.size_mm()).unwrap_or(0.0);
+        self.angle_deg = self.kind.angle().map_or(0.0, |(_, degrees)| degrees);
     }
 
-    /// So many lamps on the ring; new ones are as strong as those of a new ring.
-    pub fn resize_ring(&mut self, count: usize) {
+    fn built_in(&self) -> Option<Scene> {
+        let angle_deg = self.kind.angle().map(|_| self.angle_deg);
+        self.kind.built_in(Measures { size_mm: Some(self.size_mm), angle_deg })
+    }
+}
+
+impl RingValues {
+    /// So many lamps; new ones are as strong as those of a new ring.
+    pub fn resize(&mut self, count: usize) {
         let fresh = LampOptions::ring(count, self.tilt_deg);
         self.intensities.truncate(count);
         self.intensities.extend(fresh.iter().skip(self.intensities.len()).map(|lamp| lamp.intensity));
     }
 
-    /// The order m that these colours can be separated with.
-    pub fn order(&self) -> usize {
-        self.bounces.min(self.albedos.len())
-    }
-
-    fn ring(&self) -> Vec<LampOptions> {
-        let (count, tilt_deg, distance_mm) = (self.intensities.len(), self.tilt_deg, self.lamp_distance_mm);
-        let mut lamps = match self.lamps {
+    fn lamps(&self) -> Vec<LampOptions> {
+        let (count, tilt_deg, distance_mm) = (self.intensities.len(), self.tilt_deg, self.distance_mm);
+        let mut lamps = match self.kind {
             LampKind::Distant => LampOptions::ring(count, tilt_deg),
             LampKind::Point => LampOptions::near_ring(count, tilt_deg, distance_mm, None),
-            LampKind::Area => LampOptions::near_ring(count, tilt_deg, distance_mm, Some(self.lamp_side_mm)),
+            LampKind::Area => LampOptions::near_ring(count, tilt_deg, distance_mm, Some(self.side_mm)),
         };
         lamps.iter_mut().zip(&self.intensities).for_each(|(lamp, intensity)| lamp.intensity = *intensity);
         lamps
+    }
+}
+
+impl LensValues {
+    fn lens(&self) -> Lens {
+        match self.is_perspective {
+            true => Lens::Perspective { working_distance_mm: self.distance_mm },
+            false => Lens::Orthographic,
+        }
+    }
+}
+
+impl Values {
+    /// The order m that these colours can be separated with.
+    pub fn order(&self) -> usize {
+        self.bounces.min(self.base.albedos.len())
     }
 
     /// The options that these values mean.
@@ -205,34 +221,21 @@ impl Values {
     /// # Errors
     /// What to change.
     pub fn options(&self, mesh: &MeshChoice) -> Result<SimulateOptions, ValuesError> {
-        let measures = Measures { size_mm: Some(self.size_mm), angle_deg: self.scene.angle().map(|_| self.angle_deg) };
-        let scene = match self.scene.built_in(measures) {
+        let scene = match self.scene.built_in() {
             Some(scene) => scene,
             None => mesh.scene()?,
         };
-        let sensor = Sensor {
-            full_well_electrons: self.full_well,
-            read_noise_electrons: self.read_noise,
-            bits: self.bits,
-            frames: self.frames,
-            seed: self.seed,
-            ..Sensor::default()
-        };
+        let (albedos, sensor) = (&self.base.albedos, self.base.sensor);
         let black_level = SimulateOptions::usual_black_level(sensor.white_level());
-        let distance = Lens::Perspective { working_distance_mm: self.distance_mm };
         let options = SimulateOptions {
             name: format!("Simulated {}", scene.name()),
             scene,
-            patches: self.patches,
-            colours: SimulateOptions::colour_names(self.albedos.len()),
-            lamps: self.ring(),
-            lens: if self.is_perspective { distance } else { Lens::Orthographic },
-            size_px: self.pixels,
+            colours: SimulateOptions::colour_names(albedos.len()),
+            lamps: self.ring.lamps(),
+            lens: self.lens.lens(),
             sensor: Sensor { black_level, ..sensor },
-            exposure: Exposure::Brightest(self.exposure),
-            balls: self.balls.then(|| BallOptions::for_paint(&self.albedos)),
-            albedos: self.albedos.clone(),
-            ..SimulateOptions::default()
+            balls: self.balls.then(|| BallOptions::for_paint(albedos)),
+            ..self.base.clone()
         };
         options.check()?;
         Ok(options)
@@ -253,7 +256,8 @@ mod tests {
 
     #[test]
     fn a_mesh_that_was_not_chosen_is_asked_for() {
-        let values = Values { scene: SceneKind::Mesh, ..Values::default() };
+        let values =
+            Values { scene: SceneValues { kind: SceneKind::Mesh, ..SceneValues::default() }, ..Values::default() };
         let line = values.options(&MeshChoice::default()).unwrap_err().to_string();
         assert!(line.contains("choose a mesh file"), "{line}");
     }
