@@ -2,8 +2,16 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
+#[cfg(feature = "simulated")]
+mod simulated;
+mod there;
+
 use std::fs;
 use std::path::{Path, PathBuf};
+
+#[cfg(feature = "simulated")]
+pub use simulated::write_tiny_set;
+pub use there::{There, everything_in};
 
 /// The folder of a capture set beside the project, or of all for ""; says that the test skips where it is not there.
 pub fn shared_set(name: &str) -> Option<PathBuf> {

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::symlink;
-use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::path::PathBuf;
+
+use firstbounce_testing::everything_in;
 
 use crate::run::firstbounce;
 use crate::tiny_set;
@@ -19,18 +20,6 @@ fn place() -> (tempfile::TempDir, PathBuf, PathBuf) {
         fs::write(outside.join(name), "mine").unwrap();
     }
     (place, set, outside)
-}
-
-fn everything_in(folder: &Path) -> BTreeMap<PathBuf, (Option<Vec<u8>>, SystemTime)> {
-    let mut found = BTreeMap::new();
-    let mut pending = vec![folder.to_owned()];
-    while let Some(path) = pending.pop() {
-        if path.is_dir() {
-            pending.extend(fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()));
-        }
-        found.insert(path.clone(), (fs::read(&path).ok(), path.metadata().unwrap().modified().unwrap()));
-    }
-    found
 }
 
 #[test]

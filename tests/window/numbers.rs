@@ -1,6 +1,5 @@
 //! Whatever number a field or a file is given: no panic, and the window comes to rest.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
@@ -11,8 +10,7 @@ use firstbounce::app::state::session::Open;
 use firstbounce::app::window::commands::CommandId;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::set::Projection;
-use firstbounce_core::Unwatched;
-use firstbounce_lab::simulate::{BallOptions, SimulateOptions, simulate, write_simulated};
+use firstbounce_testing::write_tiny_set;
 
 use crate::harness::Hands;
 
@@ -21,20 +19,6 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 const EXTREMES: [f64; 9] =
     [0.0, -0.0, f64::from_bits(1), f64::MIN_POSITIVE, f64::MAX, f64::MIN, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-
-/// A set of tiny pictures with every kind of number in its file.
-fn write_set(folder: &Path) {
-    let albedos = SimulateOptions::default().albedos;
-    let options = SimulateOptions {
-        patches: 40,
-        size_px: 16,
-        samples_per_pixel_side: 1,
-        truth_bounces: 2,
-        balls: Some(BallOptions { size_px: 32, ..BallOptions::for_paint(&albedos) }),
-        ..SimulateOptions::default()
-    };
-    write_simulated(&simulate(&options, &Unwatched).unwrap(), folder).unwrap();
-}
 
 /// Nothing is computed any more, and no frame asks for another one.
 fn comes_to_rest(hands: &mut Hands, after: &str) {
@@ -55,7 +39,7 @@ fn comes_to_rest(hands: &mut Hands, after: &str) {
 fn every_field_of_every_step_keeps_its_numbers_within_their_ranges() {
     let mut hands = Hands::new();
     let set = hands.folder.path().join("set");
-    write_set(&set);
+    write_tiny_set(&set);
     hands.open(Open::Set(set));
     hands.rest();
     let mut fields = 0;
@@ -85,7 +69,7 @@ fn every_field_of_every_step_keeps_its_numbers_within_their_ranges() {
 fn what_is_typed_beyond_a_range_becomes_its_end() {
     let mut hands = Hands::new();
     let set = hands.folder.path().join("set");
-    write_set(&set);
+    write_tiny_set(&set);
     hands.open(Open::Set(set));
     hands.rest();
     hands.session().panel = PanelName::Calibrate;
@@ -148,7 +132,7 @@ fn given(text: &str, Given { below, line }: &Given, value: &str) -> String {
 fn a_file_with_any_number_is_opened_and_the_window_comes_to_rest() {
     let mut hands = Hands::new();
     let set = hands.folder.path().join("set");
-    write_set(&set);
+    write_tiny_set(&set);
     let text = std::fs::read_to_string(set.join("capture.toml")).unwrap();
     for what in &GIVEN {
         for value in ["1e300", "1e-300", "-1e160", "nan"] {
@@ -170,7 +154,7 @@ fn a_file_with_any_number_is_opened_and_the_window_comes_to_rest() {
 fn numbers_of_the_camera_in_a_file_are_seen_and_the_window_comes_to_rest() {
     let mut hands = Hands::new();
     let folder = hands.folder.path().join("set");
-    write_set(&folder);
+    write_tiny_set(&folder);
     let mut set = CaptureSet::open(&folder).unwrap();
     for extreme in EXTREMES.into_iter().filter(|number| number.is_finite()) {
         set.camera.projection = Projection::Perspective {
@@ -188,7 +172,7 @@ fn numbers_of_the_camera_in_a_file_are_seen_and_the_window_comes_to_rest() {
 fn the_settings_beside_a_set_are_taken_within_their_ranges() {
     let mut hands = Hands::new();
     let set = hands.folder.path().join("set");
-    write_set(&set);
+    write_tiny_set(&set);
     let kept = serde_json::json!({ "settings": {
         "shape": { "shadow_fraction": 1e300, "outlier_fraction": -1e300, "rounds": u64::MAX, "indirect_radius_px": u64::MAX },
         "nayar": { "patches": 0, "max_iterations": u64::MAX },

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
+use firstbounce_testing::{There, everything_in};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -27,22 +27,9 @@ fn report_of_everything() -> String {
     report(&[&FOREIGN[..], &IN_FOLDER[..]].concat())
 }
 
-/// What lies under one name.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum There {
-    Nothing,
-    File,
-    Folder,
-    LinkToFile,
-    LinkToFolder,
-    LinkToNothing,
-    SecondName,
-}
-
 /// Mostly `usual`: where everything is a link, the first is refused and the others are never come to.
 fn mostly(usual: There) -> impl Strategy<Value = There> {
-    use There::*;
-    let any = prop::sample::select(vec![Nothing, File, Folder, LinkToFile, LinkToFolder, LinkToNothing, SecondName]);
+    let any = prop::sample::select(There::ALL.to_vec());
     prop_oneof![4 => Just(usual), 1 => any]
 }
 
@@ -93,15 +80,8 @@ fn link(to: &Path, at: &Path) {
 fn put(there: There, at: &Path, outside: &Path) {
     let name = at.file_name().unwrap().to_str().unwrap();
     let text = if name == "report.json" { report_of_everything() } else { "of the set".to_owned() };
-    match there {
-        There::Nothing => {}
-        There::File => fs::write(at, text).unwrap(),
-        There::Folder => fs::create_dir(at).unwrap(),
-        There::LinkToFile => link(&outside.join(if name == "report.json" { name } else { "thesis.tex" }), at),
-        There::LinkToFolder => link(outside, at),
-        There::LinkToNothing => link(&outside.join("not there"), at),
-        There::SecondName => fs::hard_link(outside.join("thesis.tex"), at).unwrap(),
-    }
+    let elsewhere = if name == "report.json" { name } else { "thesis.tex" };
+    there.put(at, &text, &outside.join(elsewhere));
 }
 
 #[cfg(unix)]
@@ -128,21 +108,6 @@ fn plant(planted: Planted, folder: &Path, outside: &Path) {
             link(&outside.join(part), &path);
         }
     }
-}
-
-/// Every file and folder with what it holds and when it was changed.
-fn everything_in(folder: &Path) -> BTreeMap<PathBuf, (Option<Vec<u8>>, SystemTime)> {
-    let mut found = BTreeMap::new();
-    let mut pending = vec![folder.to_owned()];
-    while let Some(path) = pending.pop() {
-        let facts = path.symlink_metadata().unwrap();
-        if facts.is_dir() {
-            pending.extend(fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()));
-        }
-        let contents = facts.is_file().then(|| fs::read(&path).unwrap());
-        found.insert(path, (contents, facts.modified().unwrap()));
-    }
-    found
 }
 
 /// Writes results as a run does.

@@ -11,8 +11,8 @@ use firstbounce_capture::pipeline::{
     Method, PipelineError, Preference, SolveOptions, Solved, Unattended, calibrate, solve,
 };
 use firstbounce_capture::set::{Encoding, Number, Projection, Reading};
-use firstbounce_core::{Plane, Unwatched};
-use firstbounce_lab::simulate::{BallOptions, SimulateOptions, simulate, write_simulated};
+use firstbounce_core::Plane;
+use firstbounce_testing::write_tiny_set;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use tempfile::TempDir;
@@ -23,16 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 
 static PLACE: LazyLock<TempDir> = LazyLock::new(|| {
     let place = tempfile::tempdir().unwrap();
-    let albedos = SimulateOptions::default().albedos;
-    let options = SimulateOptions {
-        patches: 40,
-        size_px: 16,
-        samples_per_pixel_side: 1,
-        truth_bounces: 2,
-        balls: Some(BallOptions { size_px: 32, ..BallOptions::for_paint(&albedos) }),
-        ..SimulateOptions::default()
-    };
-    write_simulated(&simulate(&options, &Unwatched).unwrap(), place.path().join("set").as_path()).unwrap();
+    write_tiny_set(&place.path().join("set"));
     place
 });
 

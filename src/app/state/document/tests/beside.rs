@@ -19,65 +19,26 @@ fn text_of(path: &Path) -> String {
 
 #[cfg(unix)]
 mod links {
-    use std::collections::BTreeMap;
-    use std::path::PathBuf;
-    use std::time::SystemTime;
+    use firstbounce_testing::{There, everything_in};
 
     use super::*;
 
-    #[derive(Clone, Copy, Debug, PartialEq)]
-    enum There {
-        Nothing,
-        File,
-        Folder,
-        LinkToFile,
-        LinkToFolder,
-        LinkToNothing,
-        SecondName,
-    }
-
-    const ALL: [There; 7] = {
-        use There::*;
-        [Nothing, File, Folder, LinkToFile, LinkToFolder, LinkToNothing, SecondName]
-    };
-
-    fn put(there: There, name: &str, set: &Path, outside: &Path) {
-        let (at, theirs) = (set.join(name), outside.join(name));
-        let link = |to: &Path| std::os::unix::fs::symlink(to, &at).unwrap();
-        match there {
-            There::Nothing => {}
-            There::File => drop(fs::copy(theirs, at).unwrap()),
-            There::Folder => fs::create_dir(at).unwrap(),
-            There::LinkToFile => link(&theirs),
-            There::LinkToFolder => link(outside),
-            There::LinkToNothing => link(&outside.join("not there")),
-            There::SecondName => fs::hard_link(theirs, at).unwrap(),
-        }
-    }
-
-    fn everything_in(folder: &Path) -> BTreeMap<PathBuf, (String, SystemTime)> {
-        let facts = |path: PathBuf| {
-            let modified = path.metadata().unwrap().modified().unwrap();
-            (path.clone(), (text_of(&path), modified))
-        };
-        fs::read_dir(folder).unwrap().map(|entry| facts(entry.unwrap().path())).collect()
-    }
-
     #[test]
     fn no_link_in_place_of_a_kept_file_is_written_through() {
-        for (capture, view, unread) in
-            ALL.iter().flat_map(|c| ALL.iter().flat_map(move |v| ALL.iter().map(move |u| (*c, *v, *u))))
+        for (capture, view, unread) in There::ALL
+            .iter()
+            .flat_map(|c| There::ALL.iter().flat_map(move |v| There::ALL.iter().map(move |u| (*c, *v, *u))))
         {
             let place = tempdir().unwrap();
             let (set, outside) = (place.path().join("set"), place.path().join("outside"));
             fs::create_dir(&set).unwrap();
             fs::create_dir(&outside).unwrap();
-            for (name, text) in [("capture.toml", HALF_READ), (VIEW_FILE, "{}"), ("capture.toml.unread", "mine")] {
+            for (there, name, text) in
+                [(capture, "capture.toml", HALF_READ), (view, VIEW_FILE, "{}"), (unread, "capture.toml.unread", "mine")]
+            {
                 fs::write(outside.join(name), text).unwrap();
+                there.put(&set.join(name), text, &outside.join(name));
             }
-            put(capture, "capture.toml", &set, &outside);
-            put(view, VIEW_FILE, &set, &outside);
-            put(unread, "capture.toml.unread", &set, &outside);
             let before = everything_in(&outside);
 
             let opened = Editor::open(&set);
