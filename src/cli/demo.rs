@@ -29,7 +29,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let folder = args.out.clone().map_or_else(|| default_place("demo"), Ok)?;
     let terminal = Terminal::attend();
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
-    let report = solve_into(&set, &folder, &SolveOptions::of(&set.shape), &OutputOptions::default(), &terminal)?;
+    let report = solve_into(&set, &folder, &SolveOptions::of(&set), &OutputOptions::default(), &terminal)?;
     drop(terminal);
     print_warnings(&report.warnings);
     if args.print.json {

@@ -43,14 +43,20 @@ fn text(evaluation: &Evaluation) -> String {
     let errors = &evaluation.normal_error_deg;
     let mut rows = vec![row(["normals from", "mean error, degrees", "median", "depth rmse, mm"])];
     rows.push(angles("photos before separation", errors.raw, evaluation.depth_rmse_raw_mm));
-    let separated = format!("bounce 1 of {}", evaluation.bounces);
-    rows.push(angles(&separated, errors.separated, evaluation.depth_rmse_mm));
-    for (name, of_method) in &evaluation.methods {
-        let title = Method::from_name(name).map_or(*name, Method::title);
-        let iterations = evaluation.nayar.iter().flat_map(|nayar| nayar.iterations.iter().enumerate().skip(1));
-        rows.extend(iterations.map(|(k, step)| angles(&format!("{title}, iteration {k}"), step.error_deg, None)));
-        let ending = evaluation.nayar.as_ref().map_or_else(String::new, |nayar| format!(", {}", nayar.ending));
-        rows.push(angles(&format!("{title}{ending}"), of_method.result, of_method.depth_rmse_mm));
+    if let Some(global) = errors.global_ratio {
+        rows.push(angles("one colour ratio a light", global, None));
+    }
+    let title = Method::from_name(evaluation.method).map_or(evaluation.method, Method::title);
+    let iterations = evaluation.nayar.iter().flat_map(|nayar| nayar.iterations.iter().enumerate().skip(1));
+    rows.extend(iterations.map(|(k, step)| angles(&format!("{title}, iteration {k}"), step.error_deg, None)));
+    let detail = match &evaluation.nayar {
+        Some(nayar) => format!(", {}", nayar.ending),
+        None if evaluation.method == Method::Colours.name() => format!(", bounce 1 of {}", evaluation.bounces),
+        None => String::new(),
+    };
+    rows.push(angles(&format!("{title}{detail}"), errors.separated, evaluation.depth_rmse_mm));
+    if let Some(oracle) = errors.oracle {
+        rows.push(angles("true direct light, noise of the photos", oracle, None));
     }
     if let Some(ideal) = errors.true_direct {
         rows.push(angles("true direct light", ideal, None));

@@ -10,7 +10,9 @@ use firstbounce_capture::atomic::{WriteError, refuse_links};
 use firstbounce_capture::export::{OutputOptions, stage_results, write_solved};
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Work, solve};
 use firstbounce_capture::report::{NayarRecord, Report};
+use firstbounce_capture::set::Word;
 use firstbounce_core::methods::by_shape::ByShapeOptions;
+use firstbounce_core::stereo::normals::Paint;
 
 use super::memory::MemoryArgs;
 use super::output::OutputArgs;
@@ -41,10 +43,10 @@ pub struct SolveArgs {
 /// How to get from photos to normals.
 #[derive(Args, Debug)]
 pub struct MethodArgs {
-    /// How many bounces to separate [default: the set's own]
+    /// How many bounces the paper's method separates; chooses --method colours [default: the set's own]
     #[arg(long, value_name = "M")]
     bounces: Option<usize>,
-    /// Half width of the window in which the noise of indirect light is averaged before normals are found; 0 for none
+    /// With --method colours: half width of the window in which the noise of indirect light is averaged; 0 for none
     /// [default: the set's, or 3]
     #[arg(long, value_name = "PIXELS")]
     indirect_window: Option<usize>,
@@ -62,36 +64,46 @@ pub struct MethodArgs {
     /// Iterations that find how near near lamps are [default: the set's, or 3]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
-    /// How to take the light apart
-    #[arg(long, value_parser = methods(), default_value_t)]
-    method: Method,
-    /// With --method nayar: albedo of the grey ball, 0 to 1, which makes the paint's albedo absolute [default: the set's]
+    /// How to tell direct from indirect light [default: the set's, or colours-and-shape where there are two colours]
+    #[arg(long, value_parser = methods())]
+    method: Option<Method>,
+    /// Whether the object has one albedo: "one", "any" for each pixel its own, or "auto" to look whether one will do
+    /// [default: the set's, or auto]
+    #[arg(long, value_parser = paints())]
+    paint: Option<Paint>,
+    /// Albedo of the grey ball, 0 to 1, which makes the paint's albedo absolute [default: the set's]
     #[arg(long, value_name = "ALBEDO")]
     grey_albedo: Option<f64>,
-    /// With --method nayar: about how many patches exchange light; time grows with the square
+    /// With --method shape: about how many patches exchange light; time grows with the square
     #[arg(long, value_name = "N", default_value_t = ByShapeOptions::default().patches)]
     patches: usize,
-    /// With --method nayar: stop after so many iterations
+    /// With --method shape: stop after so many iterations
     #[arg(long, value_name = "N", default_value_t = ByShapeOptions::default().max_iterations)]
     iterations: usize,
 }
 
 /// The methods by their names.
 fn methods() -> impl TypedValueParser<Value = Method> {
-    let named = |method: Method| PossibleValue::new(method.name()).help(method.purpose());
+    let named = |method: Method| PossibleValue::new(method.name()).aliases(method.alias()).help(method.purpose());
     PossibleValuesParser::new(Method::ALL.map(named)).map(|name| Method::from_name(&name).unwrap_or_default())
+}
+
+fn paints() -> impl TypedValueParser<Value = Paint> {
+    let words = Paint::ALL.iter().map(|paint| PossibleValue::new(paint.word()));
+    PossibleValuesParser::new(words).map(|word| Paint::from_word(&word).unwrap_or_default())
 }
 
 impl MethodArgs {
     /// What is asked for of a set, as the pipeline takes it: what is given here goes before what the set's file says.
     pub fn options(&self, set: &CaptureSet) -> anyhow::Result<SolveOptions> {
-        self.check()?;
         let mut asked = set.clone();
+        asked.separation.method = Some(self.method_for(set)?);
         let shape = &mut asked.shape;
         shape.shadow_share = self.shadow_share.unwrap_or(shape.shadow_share);
         shape.misfit_share = self.misfit_share.unwrap_or(shape.misfit_share);
         shape.rounds = self.rounds.unwrap_or(shape.rounds);
         shape.indirect_window_px = self.indirect_window.unwrap_or(shape.indirect_window_px);
+        shape.paint = self.paint.unwrap_or(shape.paint);
         if !self.leave_out.is_empty() {
             shape.leave_out.clone_from(&self.leave_out);
         }
@@ -101,16 +113,23 @@ impl MethodArgs {
         let nayar =
             ByShapeOptions { patches: self.patches, max_iterations: self.iterations, ..ByShapeOptions::default() };
         let scale = AlbedoScale { grey_albedo: self.grey_albedo, ..AlbedoScale::default() };
-        Ok(SolveOptions { bounces: self.bounces, method: self.method, nayar, scale, ..SolveOptions::of(&asked.shape) })
+        Ok(SolveOptions { bounces: self.bounces, nayar, scale, ..SolveOptions::of(&asked) })
     }
 
-    /// Refuses an order where bounces are not told apart.
-    fn check(&self) -> anyhow::Result<()> {
-        if self.bounces.is_some() && !self.method.needs().all_colours {
-            let (default, title) = (Method::default(), self.method.title());
-            anyhow::bail!("--bounces is for --method {default}; {title} takes all of them away, leave it out");
+    /// The method that is asked for; an order of bounces asks for the one that keeps them apart.
+    fn method_for(&self, set: &CaptureSet) -> anyhow::Result<Method> {
+        match (self.method, self.bounces) {
+            (None | Some(Method::Colours), Some(_)) => Ok(Method::Colours),
+            (Some(method), Some(_)) => anyhow::bail!(
+                "--bounces is for --method {}; {} takes all indirect light together, leave it out",
+                Method::Colours,
+                method.title()
+            ),
+            (Some(Method::ColoursAndShape), None) if set.colours.len() < 2 => {
+                anyhow::bail!("--method {} needs two colours; use --method {}", Method::ColoursAndShape, Method::Shape)
+            }
+            (method, None) => Ok(method.unwrap_or_else(|| set.method())),
         }
-        Ok(())
     }
 }
 
@@ -167,10 +186,7 @@ pub fn default_place(name: impl AsRef<Path>) -> Result<PathBuf, WriteError> {
 pub fn summary(report: &Report, folder: &Path) -> String {
     let mut lines = match (&report.nayar, report.method) {
         (Some(nayar), _) => nayar_lines(report, nayar),
-        (None, method) if method == Method::default().name() => separation_lines(report),
-        (None, method) => {
-            vec![format!("{}: --method {method}, {} object pixels", report.set.name, report.set.mask_pixels)]
-        }
+        (None, _) => separation_lines(report),
     };
     if let Some(shape) = &report.shape {
         lines.push(format!(

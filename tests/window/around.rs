@@ -153,7 +153,7 @@ fn another_set_dropped_asks_before_unsaved_edits_are_left() {
 fn comparing() -> Hands {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.session().views.show(Shown::Normals(SurfaceName::AFTER));
+    hands.session().views.show(Shown::Normals(SurfaceName::After));
     hands.steps();
     hands.choose_picture("Compare", "Surface", "Normals before");
     hands

@@ -21,7 +21,7 @@ fn a_typed_pixel_shows_the_values_of_every_plane() {
     let value = |hands: &mut Hands, name: &PlaneName| {
         hands.session().results.pictures().plane(name).unwrap().plane.plane.at(240, 200)
     };
-    let depth = value(&mut hands, &Plain::Depth.of(SurfaceName::AFTER).into());
+    let depth = value(&mut hands, &Plain::Depth.of(SurfaceName::After).into());
     let bounce = value(&mut hands, &PlaneName::Bounce("left".into(), 1));
     assert!(hands.sees("Depth after"));
     assert!(hands.sees(&format!("{depth:.2}")), "no {depth}");

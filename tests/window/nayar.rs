@@ -15,7 +15,7 @@ use crate::harness::Hands;
 
 const PATCHES: usize = 150;
 const ITERATIONS: usize = 2;
-const SURFACE: SurfaceName = SurfaceName::After(Method::Shape);
+const SURFACE: SurfaceName = SurfaceName::By(Method::Shape);
 const BY_NAYAR: LayerName = LayerName::Surface(SURFACE);
 const TICK: &str = "Also solve by Nayar's method";
 
@@ -79,7 +79,7 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     hands.click_button("Show normals by Nayar's method");
     hands.click_button("Show direct light by Nayar's method, left minus Bounce 1 with less noise, left");
     let document = hands.session().document();
-    let by_both = Shown::difference(Plain::Albedo.of(SURFACE), Plain::Albedo.of(SurfaceName::AFTER));
+    let by_both = Shown::difference(Plain::Albedo.of(SURFACE), Plain::Albedo.of(SurfaceName::After));
     assert!(picture(&by_both, &document, &hands.session().results).is_ok());
 
     // Its surface is a layer of the 3D view.

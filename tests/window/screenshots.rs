@@ -34,7 +34,7 @@ fn make_screenshots() {
     hands.type_number("Row", "150");
     save(&mut hands, "separate");
 
-    step(&mut hands, PanelName::Shape, Shown::Normals(SurfaceName::AFTER));
+    step(&mut hands, PanelName::Shape, Shown::Normals(SurfaceName::After));
     save(&mut hands, "shape");
 
     step(&mut hands, PanelName::Shape, Shown::Surface);

@@ -40,7 +40,7 @@ fn a_set_is_seen_planned_made_and_opened() {
     assert!(!hands.sees("Rig planner"));
     hands.rest();
     let document = hands.session().document();
-    assert!(hands.session().results.finished(SurfaceName::AFTER, &document).is_some());
+    assert!(hands.session().results.finished(SurfaceName::After, &document).is_some());
     assert!(folder.join("truth/rig.json").is_file());
 }
 

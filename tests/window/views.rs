@@ -19,7 +19,7 @@ fn told(hands: &Hands, label: &str) -> String {
 fn tiles_are_there_again_when_the_set_is_opened_again() {
     let mut hands = Hands::with_demo();
     hands.press(Modifiers::COMMAND, Key::Backslash);
-    hands.session().views.show(Plain::Depth.of(SurfaceName::AFTER));
+    hands.session().views.show(Plain::Depth.of(SurfaceName::After));
     hands.press(Modifiers::COMMAND, Key::T);
     hands.session().views.show(Plain::Albedo.of(SurfaceName::Before));
     hands.steps();
@@ -59,7 +59,7 @@ fn pictures_are_fitted_and_shown_one_to_one_by_key_and_by_menu() {
 fn two_pictures_are_compared_by_a_held_key_by_wipe_and_in_numbers_with_units() {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.session().views.show(Plain::Depth.of(SurfaceName::AFTER));
+    hands.session().views.show(Plain::Depth.of(SurfaceName::After));
     hands.session().views.active_mut().unwrap().against = Some(Plain::Depth.of(SurfaceName::Before).into());
     hands.steps();
     hands.harness.get_by_role_and_label(Role::Image, "Depth after").focus();
@@ -92,7 +92,7 @@ fn two_pictures_are_compared_by_a_held_key_by_wipe_and_in_numbers_with_units() {
 fn depth_difference(hands: &mut Hands) -> (f64, f64, f64) {
     let results = &hands.session().results;
     let plane = |when| results.pictures().plane(&Plain::Depth.of(when).into()).unwrap().plane.plane.clone();
-    let (after, before) = (plane(SurfaceName::AFTER), plane(SurfaceName::Before));
+    let (after, before) = (plane(SurfaceName::After), plane(SurfaceName::Before));
     let loaded = results.loaded().unwrap();
     let mask = &loaded.object.as_ref().unwrap().mask;
     let differences: Vec<f64> = (0..after.data().len())
@@ -111,7 +111,7 @@ fn normals_differ_by_an_angle() {
     let mut hands = Hands::with_demo();
     hands.rest();
     let turned = hands.session().results.shapes().unwrap().turned.unwrap();
-    let (after, before) = (Shown::Normals(SurfaceName::AFTER), Shown::Normals(SurfaceName::Before));
+    let (after, before) = (Shown::Normals(SurfaceName::After), Shown::Normals(SurfaceName::Before));
     hands.session().views.show(Shown::difference(after, before));
     hands.steps();
     hands.wait_to_see("degrees, rms");

@@ -116,7 +116,7 @@ impl Export {
     /// Which surface is written; a choice only where there is one.
     fn surface(&mut self, ui: &mut Ui, session: &Session, document: &Document) -> SurfaceName {
         let offered = session.results.surfaces(document);
-        let chosen = self.surface.filter(|name| offered.contains(name)).unwrap_or(SurfaceName::AFTER);
+        let chosen = self.surface.filter(|name| offered.contains(name)).unwrap_or(SurfaceName::After);
         self.surface = Some(chosen);
         if offered.len() > 1 {
             ui.label("Surface to write");

@@ -142,7 +142,7 @@ fn in_3d(ui: &mut Ui, session: &mut Session) {
 
 fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     let document = session.document();
-    let others = document.settings.compared.iter().map(|&method| SurfaceName::After(method));
+    let others = document.settings.compared.iter().map(|&method| SurfaceName::By(method));
     let is_ready = |name: &SurfaceName| session.results.state(stage_of(*name), &document) == StageState::Ready;
     let mut columns = vec![("before".to_owned(), shapes.before.clone()), ("after".to_owned(), shapes.after.clone())];
     columns.extend(others.filter(is_ready).filter_map(|name| Some((name.words(), session.results.shape(name)?))));
@@ -169,11 +169,11 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     }
     ui.horizontal_wrapped(|ui| {
         for shown in [
-            Shown::Normals(SurfaceName::AFTER),
+            Shown::Normals(SurfaceName::After),
             Shown::Normals(SurfaceName::Before),
-            Plain::Depth.of(SurfaceName::AFTER).into(),
-            Plain::Albedo.of(SurfaceName::AFTER).into(),
-            Shown::difference(Plain::Depth.of(SurfaceName::AFTER), Plain::Depth.of(SurfaceName::Before)),
+            Plain::Depth.of(SurfaceName::After).into(),
+            Plain::Albedo.of(SurfaceName::After).into(),
+            Shown::difference(Plain::Depth.of(SurfaceName::After), Plain::Depth.of(SurfaceName::Before)),
         ] {
             if ui.button(format!("Show {}", shown.title().to_lowercase())).clicked() {
                 session.views.show(shown);

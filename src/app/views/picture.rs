@@ -184,7 +184,7 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
 pub fn sides(a: &Shown, b: &Shown, document: &Document, results: &Results) -> Result<[Layer; 2], PictureError> {
     if are_normals(a, b) {
         let turned = results.pictures().plane(&PlaneName::Turned);
-        let missing = || not_yet(&Shown::Normals(SurfaceName::AFTER), document, results);
+        let missing = || not_yet(&Shown::Normals(SurfaceName::After), document, results);
         let turned = Layer::from(turned.ok_or_else(missing)?.plane.clone());
         return Ok([turned.clone(), turned.amplified(0.0)]);
     }
@@ -197,7 +197,7 @@ fn are_normals(a: &Shown, b: &Shown) -> bool {
         (Shown::Normals(a), Shown::Normals(b)) => (*a, *b),
         _ => return false,
     };
-    matches!(whens, (SurfaceName::AFTER, SurfaceName::Before) | (SurfaceName::Before, SurfaceName::AFTER))
+    matches!(whens, (SurfaceName::After, SurfaceName::Before) | (SurfaceName::Before, SurfaceName::After))
 }
 
 /// Bounce k of a light as weights on its photos.

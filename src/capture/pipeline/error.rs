@@ -8,6 +8,7 @@ use firstbounce_core::denoise::DenoiseError;
 use firstbounce_core::mesh::MeshError;
 use firstbounce_core::mesh::decimate::DecimateError;
 use firstbounce_core::methods::by_shape::ByShapeError;
+use firstbounce_core::methods::colours_and_shape::ColoursAndShapeError;
 use firstbounce_core::separate::SeparateError;
 use firstbounce_core::sphere::BallError;
 use firstbounce_core::stereo::depth::DepthError;
@@ -169,6 +170,9 @@ pub enum PipelineError {
     /// Nayar's method.
     #[error("Nayar's method: {0}")]
     Nayar(ByShapeError),
+    /// Colours and shape together failed.
+    #[error(transparent)]
+    ColoursAndShape(ColoursAndShapeError),
     /// Triangles.
     #[error("no mesh: {0}")]
     Triangles(#[from] MeshError),

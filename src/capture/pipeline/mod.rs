@@ -16,6 +16,7 @@ mod trust;
 mod truth;
 mod watch;
 
+pub use crate::set::Method;
 pub use calibrate::{
     BallCircle, Calibrated, DirectionDoubt, Evidence, Known, Preference, RatioEvidence, Source, Verdict, calibrate,
     calibrate_for, calibrate_with,
@@ -28,7 +29,8 @@ pub use memory::{
     MemoryEstimate, MemoryOptions, MemoryShortage, Work, check_memory, estimate_memory, free_memory_bytes,
 };
 pub use methods::{
-    AlbedoScale, Found, Input, Method, MethodReport, NayarSolved, Needs, OnShape, denoise_lights, separate_lights,
+    AlbedoScale, ColoursAndShapeSolved, Found, Input, MethodReport, NayarSolved, Needs, OnShape, denoise_lights,
+    separate_lights,
 };
 pub use photos::{ObjectPhotos, PhotoStore, ShotLight, SubjectPhotos, file_warnings, load_object, load_subject};
 pub(crate) use reconstruct::relative_albedo;

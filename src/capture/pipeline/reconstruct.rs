@@ -6,8 +6,9 @@ use std::sync::Arc;
 use firstbounce_core::denoise::{DenoiseOptions, DenoiseReport};
 use firstbounce_core::mesh::{MeshOptions, from_depth};
 use firstbounce_core::methods::by_shape::ByShapeOptions;
+use firstbounce_core::methods::colours_and_shape::ColoursAndShapeOptions;
 use firstbounce_core::separate::{LightPhotos, SeparateOptions, SeparateReport, Separation, separate};
-use firstbounce_core::stereo::normals::NormalsOptions;
+use firstbounce_core::stereo::normals::{NormalsOptions, Paint};
 use firstbounce_core::stereo::shape::{Shape, ShapeOptions, recover_shape};
 use firstbounce_core::trust::{Trust, TrustOptions};
 use firstbounce_core::{Camera, Marks, Mesh, Plane, Watch};
@@ -31,10 +32,14 @@ pub struct SolveOptions {
     pub left_out: Vec<String>,
     /// Normals and depth.
     pub shape: ShapeOptions,
+    /// Whether the object has one albedo; `Auto` lets the method look for it.
+    pub paint: Paint,
     /// Triangles.
     pub mesh: MeshOptions,
     /// How direct light is found.
     pub method: Method,
+    /// For colours and shape together.
+    pub colours_and_shape: ColoursAndShapeOptions,
     /// For Nayar's method.
     pub nayar: ByShapeOptions,
     /// For methods that need it: what makes albedos absolute, before what the set's file gives.
@@ -43,20 +48,38 @@ pub struct SolveOptions {
 
 impl SolveOptions {
     /// As a set's file asks for; the defaults else.
-    pub fn of(shape: &ShapeSettings) -> Self {
-        let ShapeSettings { leave_out, shadow_share, misfit_share, rounds, indirect_window_px } = shape.clone();
-        let normals = NormalsOptions { shadow_fraction: shadow_share, outlier_fraction: misfit_share };
+    pub fn of(set: &CaptureSet) -> Self {
+        let ShapeSettings { leave_out, shadow_share, misfit_share, rounds, indirect_window_px, paint } =
+            set.shape.clone();
+        let normals =
+            NormalsOptions { shadow_fraction: shadow_share, outlier_fraction: misfit_share, paint: Paint::Any };
         Self {
             denoise: DenoiseOptions { radius_px: indirect_window_px, ..DenoiseOptions::default() },
             left_out: leave_out,
             shape: ShapeOptions { normals, rounds, ..ShapeOptions::default() },
+            paint,
+            method: set.method(),
             ..Self::default()
         }
     }
 
-    /// The order m that a set is separated with. One colour has one bounce.
+    /// The order m that a set is separated with; 1 for a method that takes all indirect light together.
     pub fn bounces_of(&self, set: &CaptureSet) -> usize {
-        if self.method.needs().all_colours { self.bounces.unwrap_or_else(|| set.bounces()) } else { 1 }
+        if self.method == Method::Colours { self.bounces.unwrap_or_else(|| set.bounces()) } else { 1 }
+    }
+
+    /// The order m that a set is calibrated for: beta is needed for two bounces or more, and where the method needs it.
+    pub fn calibrated_bounces_of(&self, set: &CaptureSet) -> usize {
+        if self.method == Method::ColoursAndShape { 2 } else { self.bounces_of(set) }
+    }
+
+    /// How the surface is recovered from the direct light that the method finds.
+    pub fn shape_after(&self) -> ShapeOptions {
+        let paint = match self.paint {
+            Paint::Auto if !self.method.assumes_one_paint() => Paint::Any,
+            paint => paint,
+        };
+        ShapeOptions { normals: NormalsOptions { paint, ..self.shape.normals }, ..self.shape }
     }
 
     /// What trust is judged by.
@@ -115,6 +138,8 @@ pub struct Solved {
     pub separated: Arc<Separated>,
     /// How far the bounces can be trusted; of a method that looks at one colour, how far its photos can.
     pub trust: Trust,
+    /// By light, all light that bounced more than once; empty for a method that keeps bounces apart.
+    pub indirect: Arc<Vec<Plane>>,
     /// By light, what the surface is recovered from.
     pub direct: Arc<Vec<Direct>>,
     /// The surface from the direct light, or why there is none; the bounces stand either way.
@@ -134,7 +159,7 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
     let store = PhotoStore::default();
     let mut stages = Vec::new();
     let object = StageCost::measure(&mut stages, Stage::Load, || load_object(&seen, &store, watch))?;
-    let bounces = options.bounces_of(&seen);
+    let bounces = options.calibrated_bounces_of(&seen);
     let calibrated =
         StageCost::measure(&mut stages, Stage::Calibrate, || calibrate_for(&seen, bounces, &store, watch))?;
     // The balls' photos are not looked at any more.
@@ -159,9 +184,10 @@ pub fn reconstruct(
     let camera = scene.camera();
     let white = StageCost::measure(&mut stages, Stage::Calibrate, || white_light_for(&scene, options, watch))?;
     let raw = StageCost::measure(&mut stages, Stage::Separate, || raw_lights(&scene.object, watch))?;
-    let recover = |lights: &[Direct], (half, of), stages: &mut Vec<StageCost>| {
+    let recover = |lights: &[Direct], shape: &ShapeOptions, (half, of), stages: &mut Vec<StageCost>| {
         let part = Part::of(watch, Stage::Shape, half, of);
-        StageCost::measure(stages, Stage::Shape, || recover(&scene, lights, options, &part)).map(Arc::new)
+        let recover = || recover(&scene, lights, &options.left_out, shape, &part);
+        StageCost::measure(stages, Stage::Shape, recover).map(Arc::new)
     };
     let surface = |shape: Arc<Shape>, stages: &mut Vec<StageCost>| {
         let mesh = StageCost::measure(stages, Stage::Mesh, || triangulate(&shape, &camera, &options.mesh))?;
@@ -170,18 +196,18 @@ pub fn reconstruct(
 
     let mut shape_before = before.as_ref().map(|before| before.shape.clone());
     if needs.surface_before && shape_before.is_none() {
-        shape_before = Some(recover(&raw.direct(), (0, 1), &mut stages)?);
+        shape_before = Some(recover(&raw.direct(), &options.shape, (0, 1), &mut stages)?);
     }
     let input =
         Input { scene: &scene, raw: &raw, before: shape_before.as_deref(), white_light: white.as_ref(), options };
     let found = StageCost::measure(&mut stages, method.stage(), || method.direct_light(&input, watch, &mut |_| {}))?;
-    let Found { separated, direct, shape, report } = found;
-    let trust_options = options.trust(options.bounces_of(&scene.set));
+    let Found { separated, indirect, direct, shape, report } = found;
+    let trust_options = options.trust(options.calibrated_bounces_of(&scene.set));
     let trust = judge(&scene.set, &ObjectLevels::of(&scene.set, &scene.object), &scene.calibrated, &trust_options)?;
 
     let shape = match shape {
         Some(shape) => Ok(Arc::new(shape)),
-        None => recover(&direct, (0, 2), &mut stages),
+        None => recover(&direct, &options.shape_after(), (0, 2), &mut stages),
     };
     let after = match shape.and_then(|shape| surface(shape, &mut stages)) {
         Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
@@ -192,7 +218,7 @@ pub fn reconstruct(
         (Ok(_), Some(before), _) => Some(before),
         (Ok(_), None, Some(shape)) => Some(surface(shape, &mut stages)?),
         (Ok(_), None, None) => {
-            let shape = recover(&raw.direct(), (1, 2), &mut stages)?;
+            let shape = recover(&raw.direct(), &options.shape, (1, 2), &mut stages)?;
             Some(surface(shape, &mut stages)?)
         }
     };
@@ -202,6 +228,7 @@ pub fn reconstruct(
         object: Arc::new(scene.object.into_owned()),
         calibrated: Arc::new(scene.calibrated.into_owned()),
         separated: Arc::new(separated),
+        indirect: Arc::new(indirect),
         trust,
         direct: Arc::new(direct),
         after,
@@ -234,15 +261,16 @@ pub fn raw_lights(object: &ObjectPhotos, watch: &dyn PipelineWatch) -> Result<Se
     Ok(Separated { lights, reports })
 }
 
-/// The surface that bounce 1 of `lights` shows; they are those of the set, in its order.
+/// The surface that the direct light of `lights` shows; they are those of the set, in its order.
 pub fn recover(
     scene: &Scene,
     lights: &[Direct],
-    options: &SolveOptions,
+    left_out: &[String],
+    options: &ShapeOptions,
     watch: &dyn Watch,
 ) -> Result<Shape, PipelineError> {
-    let direct = scene.direct_lights(lights, &options.left_out)?;
-    Ok(recover_shape(&direct, &scene.object.mask, &scene.camera(), &options.shape, watch)?)
+    let direct = scene.direct_lights(lights, left_out)?;
+    Ok(recover_shape(&direct, &scene.object.mask, &scene.camera(), options, watch)?)
 }
 
 /// The depth as triangles, coloured by albedo relative to the brightest part.

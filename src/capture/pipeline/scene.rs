@@ -93,6 +93,17 @@ impl<'a> Scene<'a> {
         };
         used.map(direct).collect()
     }
+
+    /// Where each lamp is and its intensity; `None` for one that is left out.
+    pub(super) fn lamps(&self, left_out: &[String]) -> Result<Vec<Option<(Lamp, f64)>>, PipelineError> {
+        let placed = |(l, light): (usize, &Light)| {
+            if left_out.contains(&light.name) {
+                return Ok(None);
+            }
+            Ok(Some((lamp(light, &self.calibrated.direction[l])?, self.calibrated.intensity[l].value)))
+        };
+        self.set.lights.iter().enumerate().map(placed).collect()
+    }
 }
 
 /// Where a lamp is: its position if the set gives one, else its direction.

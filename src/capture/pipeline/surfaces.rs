@@ -14,24 +14,23 @@ use super::Method;
 pub enum SurfaceName {
     /// From the photos before separation.
     Before,
-    /// From the direct light that a method finds.
-    After(Method),
+    /// From the direct light that the method in force finds.
+    After,
+    /// From the direct light that a method finds which is compared with it.
+    By(Method),
 }
 
 impl SurfaceName {
-    /// From bounce 1, as photos in several colours give it.
-    pub const AFTER: Self = Self::After(Method::Colours);
-
     /// Every surface that a set can have.
     pub fn all() -> impl Iterator<Item = Self> + Clone {
-        std::iter::once(Self::Before).chain(Method::ALL.into_iter().map(Self::After))
+        [Self::Before, Self::After].into_iter().chain(Method::ALL.map(Self::By))
     }
 
-    /// The method, where it is not the paper's own.
+    /// The method, where it is not the one in force.
     pub fn other_method(self) -> Option<Method> {
         match self {
-            Self::Before | Self::AFTER => None,
-            Self::After(method) => Some(method),
+            Self::Before | Self::After => None,
+            Self::By(method) => Some(method),
         }
     }
 
@@ -39,8 +38,8 @@ impl SurfaceName {
     pub fn words(self) -> String {
         match self {
             Self::Before => "before".into(),
-            Self::AFTER => "after".into(),
-            Self::After(method) => format!("by {}", method.title()),
+            Self::After => "after".into(),
+            Self::By(method) => format!("by {}", method.title()),
         }
     }
 }
@@ -50,8 +49,8 @@ impl From<SurfaceName> for &'static str {
     fn from(name: SurfaceName) -> Self {
         match name {
             SurfaceName::Before => "Before",
-            SurfaceName::AFTER => "After",
-            SurfaceName::After(method) => method.name(),
+            SurfaceName::After => "After",
+            SurfaceName::By(method) => method.name(),
         }
     }
 }
@@ -61,8 +60,9 @@ impl TryFrom<String> for SurfaceName {
 
     fn try_from(word: String) -> Result<Self, String> {
         // Settings of earlier versions write Nayar's method with a capital.
-        let named = |name: &Self| <&'static str>::from(*name).eq_ignore_ascii_case(&word);
-        Self::all().find(named).ok_or_else(|| format!("{word:?} is no surface"))
+        let method = Method::from_name(&word.to_ascii_lowercase()).map(Self::By);
+        let named = |name: &Self| <&'static str>::from(*name) == word;
+        method.or_else(|| Self::all().find(named)).ok_or_else(|| format!("{word:?} is no surface"))
     }
 }
 

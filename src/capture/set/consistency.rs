@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use firstbounce_core::separate::MIN_BETA_DISTANCE;
 
+use super::method::Method;
 use super::model::*;
 use super::problem::{Location, Problem};
 use super::rule::did_you_mean;
@@ -213,6 +214,11 @@ impl CaptureSet {
         if let Some(bounces) = self.separation.bounces.filter(|bounces| *bounces > colours) {
             let message = format!("{bounces} bounces need {bounces} colours; this set has {colours}");
             problems.push(Problem::of_key(Location::Separation, "bounces", message));
+        }
+        if self.separation.method == Some(Method::ColoursAndShape) && colours == 1 {
+            let message =
+                format!("{} needs two colours; this set has 1: choose \"{}\"", Method::ColoursAndShape, Method::Shape);
+            problems.push(Problem::of_key(Location::Separation, "method", message));
         }
     }
 }

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use firstbounce_core::denoise::DenoiseOptions;
-use firstbounce_core::stereo::normals::NormalsOptions;
+use firstbounce_core::stereo::normals::{NormalsOptions, Paint};
 use firstbounce_core::stereo::shape::ShapeOptions;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use super::method::Method;
 pub use super::subject::{BallValue, Naming, SphereKind, Subject};
 pub use crate::image_file::{Channel, Encoding};
 
@@ -179,7 +180,9 @@ pub struct Calibration {
 /// How to separate the bounces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Separation {
-    /// The order m; `None` leaves the choice to [`CaptureSet::bounces`].
+    /// How direct light is told from indirect light; `None` leaves the choice to [`CaptureSet::method`].
+    pub method: Option<Method>,
+    /// The order m of the paper's method; `None` leaves the choice to [`CaptureSet::bounces`].
     pub bounces: Option<usize>,
 }
 
@@ -201,17 +204,21 @@ pub struct ShapeSettings {
     /// Half width of the window in which the noise of indirect light is averaged, in pixels; 0 for none.
     #[serde(alias = "indirect_radius_px")]
     pub indirect_window_px: usize,
+    /// Whether the object has one albedo.
+    #[serde(with = "super::method::paint_word")]
+    pub paint: Paint,
 }
 
 impl Default for ShapeSettings {
     fn default() -> Self {
-        let NormalsOptions { shadow_fraction, outlier_fraction } = NormalsOptions::default();
+        let NormalsOptions { shadow_fraction, outlier_fraction, .. } = NormalsOptions::default();
         Self {
             leave_out: Vec::new(),
             shadow_share: shadow_fraction,
             misfit_share: outlier_fraction,
             rounds: ShapeOptions::default().rounds,
             indirect_window_px: DenoiseOptions::default().radius_px,
+            paint: Paint::default(),
         }
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
 
+use super::method::Method;
 use super::model::*;
 use super::number::length;
 use super::word::Word;
@@ -35,6 +36,13 @@ impl CaptureSet {
     /// The index of the colour of this name; 0 is the reference colour.
     pub fn colour_index(&self, name: &str) -> Option<usize> {
         self.colours.iter().position(|colour| colour.name == name)
+    }
+
+    /// How direct light is told from indirect light: what the file says, or colours and shape together where there are two
+    /// colours.
+    pub fn method(&self) -> Method {
+        let default = if self.colours.len() < 2 { Method::Colours } else { Method::ColoursAndShape };
+        self.separation.method.unwrap_or(default)
     }
 
     /// The order m: what the file says, or two bounces where there are two colours: each further order costs

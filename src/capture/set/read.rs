@@ -3,9 +3,11 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use firstbounce_core::stereo::normals::Paint;
 use toml_edit::{Document, Item, TableLike};
 
 use super::fields::{ENCODING, Fields, Reader, count, encoding, number, numbers, text, texts, tuple, word};
+use super::method::Method;
 use super::model::*;
 use super::number::{Number, vector_words};
 use super::problem::{Location, Problem, SetError};
@@ -124,6 +126,7 @@ pub(super) fn read_set(reader: &mut Reader<'_>, root: &dyn TableLike) -> Capture
     let spheres = parts(&mut fields, "sphere", Location::Sphere, read_sphere);
     let calibration = part(&mut fields, "calibration", Location::Calibration, read_calibration);
     let separation = part(&mut fields, "separation", Location::Separation, |fields| Separation {
+        method: fields.get("method", &words::<Method>(), word),
         bounces: fields.get("bounces", &Number::Bounces.words(), count),
     });
     let shape = part(&mut fields, "shape", Location::Shape, read_shape);
@@ -299,6 +302,7 @@ fn read_shape(fields: &mut Fields<'_, '_>) -> ShapeSettings {
         indirect_window_px: fields
             .get("indirect_window_px", &Number::IndirectWindowPx.words(), count)
             .unwrap_or(defaults.indirect_window_px),
+        paint: fields.get("paint", &words::<Paint>(), word).unwrap_or(defaults.paint),
     }
 }
 

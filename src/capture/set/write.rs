@@ -9,6 +9,7 @@ use crate::atomic::{FILE_NAME, WriteError, write_kept_file};
 use crate::open::read_text;
 
 use super::edit::{edit_subtable, edit_table, edit_tables, inline, list, put, put_or_remove, put_unless_default};
+use super::method::Method;
 use super::model::*;
 use super::problem::SetError;
 use super::read::{ORTHOGRAPHIC, PERSPECTIVE, Reading, SCHEMA};
@@ -143,6 +144,7 @@ fn updated(mut document: DocumentMut, old: &Reading, set: &CaptureSet) -> String
     }
     edit_table(&mut document, "calibration", |table| write_calibration_table(table, &set.calibration));
     edit_table(&mut document, "separation", |table| {
+        put_or_remove(table, "method", set.separation.method.map(Method::name));
         put_or_remove(table, "bounces", set.separation.bounces.map(|bounces| bounces as i64));
     });
     edit_table(&mut document, "shape", |table| write_shape(table, &set.shape));
@@ -246,6 +248,7 @@ fn write_shape(table: &mut Table, shape: &ShapeSettings) {
     put_unless_default(table, "misfit_share", shape.misfit_share, default.misfit_share);
     put_unless_default(table, "rounds", shape.rounds as i64, default.rounds as i64);
     put_unless_default(table, "indirect_window_px", shape.indirect_window_px as i64, default.indirect_window_px as i64);
+    put_unless_default(table, "paint", shape.paint.word(), default.paint.word());
 }
 
 fn write_truth(table: &mut Table, truth: &Truth) {

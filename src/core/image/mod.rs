@@ -2,6 +2,7 @@
 
 pub mod colour;
 pub mod evaluate;
+pub mod gaussian;
 pub mod mask;
 pub mod noise;
 pub mod normal_map;

@@ -177,7 +177,7 @@ pub struct LightPhotos<'a> {
 }
 
 impl LightPhotos<'_> {
-    fn check(&self) -> Result<(), SeparateError> {
+    pub(crate) fn check(&self) -> Result<(), SeparateError> {
         let (photos, noise, colours) = (self.photos.len(), self.noise.len(), self.beta.len());
         if photos != colours || noise != colours || colours > MAX_COLOURS {
             return Err(SeparateError::PhotoCount { photos, noise, colours });

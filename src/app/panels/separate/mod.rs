@@ -39,7 +39,7 @@ impl Panel for Separate {
         order(ui, &document, session);
         let options = TrustOptions {
             bounces: document.set.bounces(),
-            denoise: SolveOptions::of(&document.set.shape).denoise,
+            denoise: SolveOptions::of(&document.set).denoise,
             ..TrustOptions::default()
         };
         let trust = self.verdict(&document, options, session);

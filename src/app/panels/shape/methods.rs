@@ -17,7 +17,7 @@ const HEIGHT: f32 = 170.0;
 /// `errors` are what the truth says of every iteration, where it was asked.
 pub fn ui(ui: &mut Ui, session: &mut Session, document: &Document, errors: Option<&NayarErrors>) {
     ui.label(RichText::new("Another method, to compare").strong());
-    for method in Method::others() {
+    for method in Method::ALL.into_iter() {
         one(ui, session, document, method, errors);
     }
 }
@@ -183,9 +183,9 @@ fn convergence(ui: &mut Ui, report: &ByShapeReport, errors: Option<&NayarErrors>
 }
 
 fn pictures(ui: &mut Ui, session: &mut Session, document: &Document, method: Method) {
-    let name = SurfaceName::After(method);
+    let name = SurfaceName::By(method);
     let depth = Plain::Depth.of(name);
-    let minus_after = Shown::difference(depth.clone(), Plain::Depth.of(SurfaceName::AFTER));
+    let minus_after = Shown::difference(depth.clone(), Plain::Depth.of(SurfaceName::After));
     let mut offered = vec![Shown::Normals(name), depth.into(), minus_after];
     if let Some(light) = document.set.lights.first() {
         let direct = Plain::DirectBy.of(Of::light_by(method, &light.name));

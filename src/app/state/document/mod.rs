@@ -32,6 +32,6 @@ pub struct Document {
 impl Document {
     /// As the pipeline takes it, by a method.
     pub fn options(&self, method: Method) -> SolveOptions {
-        SolveOptions { method, nayar: self.settings.nayar.options(), ..SolveOptions::of(&self.set.shape) }
+        SolveOptions { method, nayar: self.settings.nayar.options(), ..SolveOptions::of(&self.set) }
     }
 }

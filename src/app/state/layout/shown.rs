@@ -49,7 +49,7 @@ pub enum Shown {
 impl Default for Shown {
     /// Normals from bounce 1: what the program is for.
     fn default() -> Self {
-        Self::Normals(SurfaceName::AFTER)
+        Self::Normals(SurfaceName::After)
     }
 }
 
@@ -168,8 +168,8 @@ impl Shown {
 }
 
 fn of_surfaces(document: &Document) -> Vec<Shown> {
-    let others = document.settings.compared.iter().map(|&method| SurfaceName::After(method));
-    let names: Vec<_> = [SurfaceName::AFTER, SurfaceName::Before].into_iter().chain(others).collect();
+    let others = document.settings.compared.iter().map(|&method| SurfaceName::By(method));
+    let names: Vec<_> = [SurfaceName::After, SurfaceName::Before].into_iter().chain(others).collect();
     let mut shown: Vec<_> = names.iter().copied().map(Shown::Normals).collect();
     for plain in Plain::at(Place::Surface) {
         shown.extend(names.iter().map(|name| plain.of(*name).into()));
@@ -222,11 +222,11 @@ mod tests {
             ),
             (json!({"Normals": "After"}), Shown::default()),
             (json!({"Albedo": "Before"}), Plain::Albedo.of(SurfaceName::Before).into()),
-            (json!({"NormalNoise": "nayar"}), Plain::NormalNoise.of(SurfaceName::After(Method::Shape)).into()),
+            (json!({"NormalNoise": "nayar"}), Plain::NormalNoise.of(SurfaceName::By(Method::Shape)).into()),
             (json!("Surface"), Shown::Surface),
             (
                 json!({"Difference": [{"Depth": "After"}, {"Depth": "Before"}]}),
-                Shown::difference(Plain::Depth.of(SurfaceName::AFTER), Plain::Depth.of(SurfaceName::Before)),
+                Shown::difference(Plain::Depth.of(SurfaceName::After), Plain::Depth.of(SurfaceName::Before)),
             ),
         ] {
             assert_eq!(to_value(&shown).unwrap(), saved);

@@ -51,7 +51,7 @@ impl Outcome {
         match layer {
             LayerName::AFTER => Some(&self.after),
             LayerName::Surface(SurfaceName::Before) => self.before.as_ref().ok(),
-            LayerName::Surface(SurfaceName::After(_)) | LayerName::Reference => None,
+            LayerName::Surface(SurfaceName::By(_)) | LayerName::Reference => None,
         }
     }
 

@@ -14,14 +14,14 @@ impl Results {
     /// The surfaces of this document that can be written: those that a method found.
     pub fn surfaces(&self, document: &Document) -> Vec<SurfaceName> {
         let is_ready = |name: &SurfaceName| self.state(last_stage_of(*name), document) == StageState::Ready;
-        Method::ALL.into_iter().map(SurfaceName::After).filter(is_ready).collect()
+        Method::ALL.into_iter().map(SurfaceName::By).filter(is_ready).collect()
     }
 
     /// Everything that belongs to a surface, as the command line would write it; `None` until it is there.
     pub fn finished(&self, surface: SurfaceName, document: &Document) -> Option<Finished> {
         match surface {
-            SurfaceName::Before | SurfaceName::AFTER => self.finished_by_colours(document).map(Arc::new),
-            SurfaceName::After(method) => Some(self.by_method(method)?.solved.clone()),
+            SurfaceName::Before | SurfaceName::After => self.finished_by_colours(document).map(Arc::new),
+            SurfaceName::By(method) => Some(self.by_method(method)?.solved.clone()),
         }
     }
 
@@ -35,6 +35,7 @@ impl Results {
             calibrated: self.calibration()?.calibrated.clone(),
             separated: self.separated()?,
             trust: shapes.trust.clone(),
+            indirect: Arc::default(),
             direct: shapes.direct.clone(),
             after: Ok(Surface { shape: after, mesh: meshes.after.clone() }),
             before: Some(Surface { shape: before, mesh: meshes.before.clone() }),
@@ -47,7 +48,7 @@ impl Results {
 /// The stage after which a surface has its triangles.
 pub fn last_stage_of(surface: SurfaceName) -> Step {
     match surface {
-        SurfaceName::Before | SurfaceName::AFTER => Step::Mesh,
-        SurfaceName::After(method) => Step::ByMethod(method),
+        SurfaceName::Before | SurfaceName::After => Step::Mesh,
+        SurfaceName::By(method) => Step::ByMethod(method),
     }
 }

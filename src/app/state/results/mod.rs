@@ -101,8 +101,8 @@ impl Results {
     pub fn shape(&self, name: SurfaceName) -> Option<Arc<Shape>> {
         match name {
             SurfaceName::Before => Some(self.shapes()?.before.clone()),
-            SurfaceName::AFTER => Some(self.shapes()?.after.clone()),
-            SurfaceName::After(method) => Some(self.by_method(method)?.surface.shape.clone()),
+            SurfaceName::After => Some(self.shapes()?.after.clone()),
+            SurfaceName::By(method) => Some(self.by_method(method)?.surface.shape.clone()),
         }
     }
 
@@ -110,8 +110,8 @@ impl Results {
     pub fn mesh(&self, name: SurfaceName, settings: &Settings) -> Option<Arc<Mesh>> {
         match name {
             SurfaceName::Before => Some(self.meshes()?.before.clone()),
-            SurfaceName::AFTER => Some(self.meshes()?.after.clone()),
-            SurfaceName::After(method) => {
+            SurfaceName::After => Some(self.meshes()?.after.clone()),
+            SurfaceName::By(method) => {
                 let asked = settings.is_compared(method);
                 Some(self.by_method(method).filter(|_| asked)?.surface.mesh.clone())
             }

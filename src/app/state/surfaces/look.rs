@@ -21,13 +21,13 @@ pub enum LayerName {
 
 impl LayerName {
     /// From bounce 1.
-    pub const AFTER: Self = Self::Surface(SurfaceName::AFTER);
+    pub const AFTER: Self = Self::Surface(SurfaceName::After);
     /// From the photos with all their light.
     pub const BEFORE: Self = Self::Surface(SurfaceName::Before);
 
     /// All, in the order of the list.
     pub fn all() -> impl Iterator<Item = Self> {
-        let others = Method::others().map(|method| Self::Surface(SurfaceName::After(method)));
+        let others = Method::ALL.into_iter().map(|method| Self::Surface(SurfaceName::By(method)));
         [Self::AFTER, Self::BEFORE].into_iter().chain(others).chain([Self::Reference])
     }
 
@@ -36,7 +36,7 @@ impl LayerName {
         match self {
             Self::AFTER => "Bounce 1",
             Self::Surface(SurfaceName::Before) => "Before",
-            Self::Surface(SurfaceName::After(method)) => method.title(),
+            Self::Surface(SurfaceName::By(method)) => method.title(),
             Self::Reference => "Reference",
         }
     }
@@ -46,7 +46,7 @@ impl LayerName {
         match self {
             Self::AFTER => "bounce 1",
             Self::Surface(SurfaceName::Before) => "before",
-            Self::Surface(SurfaceName::After(method)) => method.title(),
+            Self::Surface(SurfaceName::By(method)) => method.title(),
             Self::Reference => "reference",
         }
     }
@@ -187,7 +187,7 @@ impl SurfaceLook {
         match name {
             LayerName::AFTER => &self.layers.after,
             LayerName::Surface(SurfaceName::Before) => &self.layers.before,
-            LayerName::Surface(SurfaceName::After(method)) => {
+            LayerName::Surface(SurfaceName::By(method)) => {
                 self.layers.others.get(&method).unwrap_or(&self.layers.nayar)
             }
             LayerName::Reference => &self.layers.reference,
@@ -199,7 +199,7 @@ impl SurfaceLook {
         match name {
             LayerName::AFTER => &mut self.layers.after,
             LayerName::Surface(SurfaceName::Before) => &mut self.layers.before,
-            LayerName::Surface(SurfaceName::After(method)) => {
+            LayerName::Surface(SurfaceName::By(method)) => {
                 self.layers.others.entry(method).or_insert(self.layers.nayar)
             }
             LayerName::Reference => &mut self.layers.reference,
@@ -236,7 +236,7 @@ mod tests {
     fn a_layer_keeps_its_place_in_the_settings_of_a_view() {
         let mut look = SurfaceLook::default();
         look.layer_mut(LayerName::Reference).visible = false;
-        look.layer_mut(LayerName::Surface(SurfaceName::After(Method::Shape))).colour = [1, 2, 3];
+        look.layer_mut(LayerName::Surface(SurfaceName::By(Method::Shape))).colour = [1, 2, 3];
         let kept = serde_json::to_value(&look).unwrap();
         assert_eq!(kept["reference"]["visible"], false);
         assert_eq!(serde_json::from_value::<SurfaceLook>(kept).unwrap(), look);

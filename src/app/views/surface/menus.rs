@@ -81,7 +81,7 @@ fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
             show.on_disabled_hover_text(match name {
                 LayerName::Reference => "Load a reference in the Shape step".into(),
                 LayerName::AFTER | LayerName::Surface(SurfaceName::Before) => "This surface is not computed yet".into(),
-                LayerName::Surface(SurfaceName::After(method)) => StageError::NotAsked { method }.to_string(),
+                LayerName::Surface(SurfaceName::By(method)) => StageError::NotAsked { method }.to_string(),
             });
         });
         ui.indent(name.title(), |ui| {

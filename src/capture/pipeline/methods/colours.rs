@@ -8,10 +8,10 @@ use super::super::{Direct, PipelineError, PipelineWatch, Scene, Separated, Stage
 use super::{Found, Input, MethodReport, Needs, OnShape, Row};
 
 pub(super) const ROW: Row = Row {
-    name: "bounces",
     title: "the paper's method",
     purpose: "Photos in several colours tell the bounces apart (Liao, Huang and Yang 2011)",
     needs: Needs { all_colours: true, absolute_albedo: false, surface_before: false },
+    one_paint: false,
     stage: Stage::Separate,
     direct_light,
 };
@@ -20,7 +20,7 @@ fn direct_light(input: &Input, watch: &dyn PipelineWatch, _: &mut OnShape) -> Re
     let Input { scene, options, .. } = input;
     let separated = separate_lights(scene, options.bounces_of(&scene.set), watch)?;
     let direct = denoise_lights(scene, &separated, &options.denoise, watch)?;
-    Ok(Found { separated, direct, shape: None, report: MethodReport::None })
+    Ok(Found { separated, indirect: Vec::new(), direct, shape: None, report: MethodReport::None })
 }
 
 /// Separates every light into `bounces` bounces.

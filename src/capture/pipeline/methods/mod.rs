@@ -1,41 +1,30 @@
 //! From photos and rig to the direct light of every light: one method a file, each a row of one table.
 
 mod colours;
+mod colours_and_shape;
 mod shape;
 
-use std::fmt;
-
+use firstbounce_core::Plane;
 use firstbounce_core::stereo::shape::Shape;
-use serde::{Deserialize, Serialize};
 
 use super::{Direct, Known, PipelineError, PipelineWatch, Scene, Separated, SolveOptions, Stage};
-use crate::set::CaptureSet;
+use crate::set::{CaptureSet, Method};
 
 pub use colours::{denoise_lights, separate_lights};
+pub use colours_and_shape::ColoursAndShapeSolved;
 pub use shape::{AlbedoScale, NayarSolved};
 
 pub(super) use shape::white_light;
 
-/// How direct light is told from light that bounced.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(into = "&'static str", try_from = "String")]
-pub enum Method {
-    /// Liao, Huang and Yang 2011: photos in several colours, whose bounces differ.
-    #[default]
-    Colours,
-    /// Nayar, Ikeuchi and Kanade 1991: photos in one colour, and the bounces simulated on the shape.
-    Shape,
-}
-
 /// What the rest of the program knows of a method.
 pub(super) struct Row {
-    /// For reports and the command line.
-    pub name: &'static str,
     /// In a sentence: "Nayar's method".
     pub title: &'static str,
     /// One line of help.
     pub purpose: &'static str,
     pub needs: Needs,
+    /// It takes the whole object for one paint; photometric stereo may do so too.
+    pub one_paint: bool,
     /// The stage whose time it takes.
     pub stage: Stage,
     pub direct_light: fn(&Input, &dyn PipelineWatch, &mut OnShape) -> Result<Found, PipelineError>,
@@ -75,6 +64,8 @@ pub struct Input<'a> {
 pub struct Found {
     /// The bounces that the light was separated into, direct light first.
     pub separated: Separated,
+    /// By light, all light that bounced more than once; empty for a method that keeps bounces apart.
+    pub indirect: Vec<Plane>,
     /// By light, what the surface is recovered from.
     pub direct: Vec<Direct>,
     /// The surface, where the method finds it on the way.
@@ -90,6 +81,8 @@ pub enum MethodReport {
     None,
     /// Of Nayar's method.
     Nayar(NayarSolved),
+    /// Of colours and shape together.
+    ColoursAndShape(ColoursAndShapeSolved),
 }
 
 impl MethodReport {
@@ -98,42 +91,34 @@ impl MethodReport {
         match self {
             Self::None => Vec::new(),
             Self::Nayar(solved) => solved.warnings(solved_pixels),
+            Self::ColoursAndShape(solved) => solved.warnings(),
         }
     }
 
     /// That of Nayar's method.
     pub fn nayar(&self) -> Option<&NayarSolved> {
         match self {
-            Self::None => None,
             Self::Nayar(solved) => Some(solved),
+            Self::None | Self::ColoursAndShape(_) => None,
+        }
+    }
+
+    /// That of colours and shape together.
+    pub fn colours_and_shape(&self) -> Option<&ColoursAndShapeSolved> {
+        match self {
+            Self::ColoursAndShape(solved) => Some(solved),
+            Self::None | Self::Nayar(_) => None,
         }
     }
 }
 
 impl Method {
-    /// Every method, the paper's own first.
-    pub const ALL: [Self; 2] = [Self::Colours, Self::Shape];
-
     fn row(self) -> &'static Row {
         match self {
             Self::Colours => &colours::ROW,
+            Self::ColoursAndShape => &colours_and_shape::ROW,
             Self::Shape => &shape::ROW,
         }
-    }
-
-    /// The methods that are compared with the paper's own.
-    pub fn others() -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(|method| *method != Self::default())
-    }
-
-    /// For reports and the command line.
-    pub fn name(self) -> &'static str {
-        self.row().name
-    }
-
-    /// The method of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|method| method.name() == name)
     }
 
     /// In a sentence: "Nayar's method".
@@ -153,6 +138,11 @@ impl Method {
 
     pub(super) fn stage(self) -> Stage {
         self.row().stage
+    }
+
+    /// Whether it takes the whole object for one paint.
+    pub fn assumes_one_paint(self) -> bool {
+        self.row().one_paint
     }
 
     /// The set as the method looks at it.
@@ -177,25 +167,5 @@ impl Method {
         on_shape: &mut OnShape,
     ) -> Result<Found, PipelineError> {
         (self.row().direct_light)(input, watch, on_shape)
-    }
-}
-
-impl fmt::Display for Method {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl From<Method> for &'static str {
-    fn from(method: Method) -> Self {
-        method.name()
-    }
-}
-
-impl TryFrom<String> for Method {
-    type Error = String;
-
-    fn try_from(name: String) -> Result<Self, String> {
-        Self::from_name(&name).ok_or_else(|| format!("{name:?} is no method"))
     }
 }

@@ -18,10 +18,10 @@ const WORSE: f64 = 1.05;
 const MANY_CLAMPED: f64 = 0.02;
 
 pub(super) const ROW: Row = Row {
-    name: "nayar",
     title: "Nayar's method",
     purpose: "Photos in one colour; the bounces are simulated on the shape, over and over (Nayar, Ikeuchi and Kanade 1991)",
     needs: Needs { all_colours: false, absolute_albedo: true, surface_before: true },
+    one_paint: false,
     stage: Stage::Nayar,
     direct_light,
 };
@@ -43,7 +43,7 @@ fn direct_light(input: &Input, watch: &dyn PipelineWatch, on_shape: &mut OnShape
     let mut separated = input.raw.clone();
     let direct = replace_bounce_1(&mut separated, &scene.object.mask, raw, direct);
     let report = MethodReport::Nayar(NayarSolved { report, white_light: white_light.clone() });
-    Ok(Found { separated, direct, shape: Some(shape), report })
+    Ok(Found { separated, indirect: Vec::new(), direct, shape: Some(shape), report })
 }
 
 /// What makes albedos absolute where it is not, or not to be, what the capture file gives.

@@ -35,6 +35,7 @@ impl OptionsRecord {
                 misfit_share: options.shape.normals.outlier_fraction,
                 rounds: options.shape.rounds,
                 indirect_window_px: options.denoise.radius_px,
+                paint: options.paint,
             },
             patches: nayar.map(|nayar| nayar.patches),
             max_iterations: nayar.map(|nayar| nayar.max_iterations),

@@ -100,8 +100,9 @@ fn calibration() -> impl Strategy<Value = Calibration> {
 }
 
 fn shape() -> impl Strategy<Value = ShapeSettings> {
-    (vec(text(), 0..3), number(), number(), 0usize..200, 0usize..200).prop_map(
-        |(leave_out, shadow_share, misfit_share, rounds, indirect_window_px)| ShapeSettings {
+    (vec(text(), 0..3), number(), number(), 0usize..200, 0usize..200, word()).prop_map(
+        |(leave_out, shadow_share, misfit_share, rounds, indirect_window_px, paint)| ShapeSettings {
+            paint,
             leave_out,
             shadow_share,
             misfit_share,
@@ -121,9 +122,11 @@ fn set() -> impl Strategy<Value = CaptureSet> {
     });
     let lists = (vec(colour, 0..3), vec(light, 0..3), vec(shot(), 0..5), vec(sphere(), 0..3));
     let truth = (text(), text(), text()).prop_map(|(normals, depth, bounce)| Truth { normals, depth, bounce });
-    let rest = (calibration(), option::of(0usize..9), shape(), truth);
+    let separation =
+        (option::of(word()), option::of(0usize..9)).prop_map(|(method, bounces)| Separation { method, bounces });
+    let rest = (calibration(), separation, shape(), truth);
     (text(), option::of(text()), camera(), lists, rest).prop_map(
-        |(name, mask, camera, (colours, lights, shots, spheres), (calibration, bounces, shape, truth))| CaptureSet {
+        |(name, mask, camera, (colours, lights, shots, spheres), (calibration, separation, shape, truth))| CaptureSet {
             folder: "set".into(),
             name,
             mask,
@@ -133,7 +136,7 @@ fn set() -> impl Strategy<Value = CaptureSet> {
             shots,
             spheres,
             calibration,
-            separation: Separation { bounces },
+            separation,
             shape,
             truth,
         },

@@ -5,6 +5,7 @@
 //! direction and with its own inverse-square distance.
 
 mod block;
+mod one_paint;
 mod pixel;
 
 use nalgebra::{DMatrix, Point3, Vector3};
@@ -34,11 +35,25 @@ pub struct NormalsOptions {
     /// With five or more lights, one that misses the fit by more than this share of the brightest light is left out
     /// (a cast shadow that indirect light fills, a highlight).
     pub outlier_fraction: f64,
+    /// Whether the whole object has one albedo.
+    pub paint: Paint,
+}
+
+/// What is known of the object's albedo.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Paint {
+    /// One where the albedos of photometric stereo agree within their noise.
+    #[default]
+    Auto,
+    /// One everywhere: fewer unknowns, less noise.
+    One,
+    /// Each pixel has its own.
+    Any,
 }
 
 impl Default for NormalsOptions {
     fn default() -> Self {
-        Self { shadow_fraction: 0.08, outlier_fraction: 0.15 }
+        Self { shadow_fraction: 0.08, outlier_fraction: 0.15, paint: Paint::Any }
     }
 }
 
@@ -171,6 +186,20 @@ impl Normals {
     }
 }
 
+/// What photometric stereo found of the object's paint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaintReport {
+    /// Whether the normals are those of one albedo.
+    pub one: bool,
+    /// That albedo, in linear light: of the pixels that every light reaches, the median.
+    pub albedo: f64,
+    /// The share of these pixels whose own albedo differs by more than 10 % and three times its noise.
+    pub stray_share: f64,
+}
+
+/// Above this share of pixels with another albedo an object has several paints.
+pub const MAX_STRAY_SHARE: f64 = 0.05;
+
 /// What photometric stereo reports. Means run over the solved pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NormalsReport {
@@ -190,6 +219,8 @@ pub struct NormalsReport {
     pub mean_albedo: f64,
     /// Mean of the predicted noise in degrees.
     pub mean_noise_deg: f64,
+    /// Of the object's paint, where it was looked at.
+    pub paint: Option<PaintReport>,
 }
 
 /// Normals and albedo from the direct light of three or more lamps.
@@ -241,10 +272,29 @@ pub fn normals_into(
             tally
         })
         .reduce(Tally::default, Tally::join);
+    let mut report = tally.report(lights.len(), condition_number);
+    if options.paint != Paint::Any {
+        report.paint = one_paint::judge(&stage, normals);
+    }
+    if let Some(paint) = &mut report.paint {
+        paint.one = options.paint == Paint::One || paint.stray_share <= MAX_STRAY_SHARE;
+        if paint.one {
+            one_paint::refine_all(&stage, normals, paint.albedo, watch);
+            report.mean_noise_deg = mean_noise_deg(normals);
+        }
+    }
     if watch.cancelled() {
         return Err(NormalsError::Cancelled);
     }
-    Ok(tally.report(lights.len(), condition_number))
+    Ok(report)
+}
+
+fn mean_noise_deg(normals: &Normals) -> f64 {
+    let solved = normals.marks.data().par_iter().zip(normals.noise_deg.data());
+    let solved = solved.filter(|(marks, _)| **marks & (UNSOLVED | OUTSIDE) == 0);
+    let (sum, count) =
+        solved.map(|(_, noise)| (f64::from(*noise), 1usize)).reduce(|| (0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    sum / count.max(1) as f64
 }
 
 /// Sums over pixels.
@@ -281,6 +331,7 @@ impl Tally {
             unsolved_pixels: self.unsolved,
             mean_albedo: self.albedo / solved,
             mean_noise_deg: self.noise_deg / solved,
+            paint: None,
         }
     }
 }

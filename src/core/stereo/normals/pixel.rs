@@ -27,11 +27,12 @@ pub(super) struct PixelNormal {
 
 /// One usable light at a pixel.
 #[derive(Clone, Copy)]
-struct Sample {
+pub(super) struct Sample {
     /// What a white facet that faces the lamp would send back, as a vector to the lamp.
-    toward: Vector3<f64>,
-    light: f64,
-    sigma: f64,
+    pub toward: Vector3<f64>,
+    pub light: f64,
+    /// Its noise; zero where unknown.
+    pub sigma: f64,
 }
 
 impl Sample {
@@ -67,20 +68,23 @@ impl<'a> Stage<'a> {
         self.surface.camera.point_mm(x as f64 + 0.5, y as f64 + 0.5, z)
     }
 
+    /// The lights that are usable at a pixel inside the mask.
+    pub fn samples(&self, pixel: usize) -> Vec<Sample> {
+        let point_mm = self.point_mm(pixel);
+        let usable = |light: &&DirectLight| light.marks.data()[pixel] & UNSOLVED == 0;
+        let sample = |(l, light): (usize, &DirectLight)| Sample {
+            toward: self.toward(l, point_mm),
+            light: f64::from(light.direct.data()[pixel]),
+            sigma: light.noise.map_or(0.0, |noise| f64::from(noise.data()[pixel])),
+        };
+        self.lights.iter().enumerate().filter(|(_, light)| usable(light)).map(sample).collect()
+    }
+
     /// The normal at a pixel inside the mask.
     pub fn solve(&self, pixel: usize) -> PixelNormal {
-        let point_mm = self.point_mm(pixel);
-        let mut marks = 0;
-        let mut samples = Vec::with_capacity(self.lights.len());
-        for (l, light) in self.lights.iter().enumerate() {
-            marks |= light.marks.data()[pixel] & REASONS;
-            if light.marks.data()[pixel] & UNSOLVED == 0 {
-                let sigma = light.noise.map_or(0.0, |noise| f64::from(noise.data()[pixel]));
-                let light = f64::from(light.direct.data()[pixel]);
-                samples.push(Sample { toward: self.toward(l, point_mm), light, sigma });
-            }
-        }
-        marks |= self.leave_out_shadows(&mut samples);
+        let mut samples = self.samples(pixel);
+        let mut marks = self.lights.iter().fold(0, |marks, light| marks | light.marks.data()[pixel]) & REASONS;
+        marks |= self.leave_out_shadows(&mut samples, 3);
         let Some(mut fit) = fit(&samples) else { return PixelNormal::none(marks) };
         while let Some(worst) = self.worst_outlier(&samples, &fit.scaled) {
             samples.swap_remove(worst);
@@ -93,13 +97,13 @@ impl<'a> Stage<'a> {
         fit.into_normal(&samples, marks)
     }
 
-    /// Leaves shadowed lights out while three or more remain; returns the mark that says what was done.
-    fn leave_out_shadows(&self, samples: &mut Vec<Sample>) -> u8 {
+    /// Leaves shadowed lights out while at least `needed` remain; returns the mark that says what was done.
+    pub fn leave_out_shadows(&self, samples: &mut Vec<Sample>, needed: usize) -> u8 {
         let brightest = samples.iter().map(Sample::relative).fold(0.0, f64::max);
         let lit = |sample: &Sample| sample.relative() >= self.options.shadow_fraction * brightest;
         match samples.iter().filter(|sample| lit(sample)).count() {
             count if count == samples.len() => 0,
-            count if count >= 3 => {
+            count if count >= needed => {
                 samples.retain(lit);
                 SHADOWED
             }
@@ -145,6 +149,12 @@ fn fit(samples: &[Sample]) -> Option<Fit> {
         }
     }
     Some(Fit { scaled: inverse * right, inverse })
+}
+
+/// How each light moves the solution; `None` for fewer than three lights or lights in a plane.
+pub(super) fn effects(samples: &[Sample]) -> Option<Vec<Vector3<f64>>> {
+    let fit = fit(samples)?;
+    Some(samples.iter().map(|sample| fit.inverse * sample.toward).collect())
 }
 
 impl Fit {

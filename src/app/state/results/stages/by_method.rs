@@ -111,6 +111,6 @@ fn pictures(method: Method, found: &ByMethod) -> Batch {
     for (light, direct) in found.solved.set.lights.iter().zip(found.solved.direct.deref()) {
         batch.put(Plain::DirectBy.of(Of::light_by(method, &light.name)), &direct.light);
     }
-    batch.put_shape(SurfaceName::After(method), &found.surface.shape);
+    batch.put_shape(SurfaceName::By(method), &found.surface.shape);
     batch
 }

@@ -51,7 +51,7 @@ pub fn all() -> Vec<Box<dyn Stage>> {
         Box::new(shape::Recover),
         Box::new(mesh::Triangulate),
     ];
-    stages.extend(Method::others().map(|method| Box::new(by_method::Compare(method)) as Box<dyn Stage>));
+    stages.extend(Method::ALL.into_iter().map(|method| Box::new(by_method::Compare(method)) as Box<dyn Stage>));
     stages
 }
 

@@ -88,7 +88,7 @@ impl Stage for Recover {
     fn work(&self, document: Arc<Document>, results: &Results) -> Option<Work> {
         let (loaded, rig, separated) = (results.loaded()?, results.calibration()?, results.separated()?);
         Some(Box::new(move |job| {
-            let options = document.options(Method::default());
+            let options = document.options(Method::Colours);
             let shapes = shapes(&document.set, &loaded, &rig, &separated, &options, job)?;
             let pictures = pictures(&document.set, &shapes);
             Ok(Done::new(shapes).with_pictures(pictures))
@@ -110,8 +110,8 @@ fn shapes(
     let trust = judge(set, &loaded.levels, &rig.calibrated, &options.trust(bounces))?;
     let raw = raw_lights(&scene.object, job)?;
     // Lights that are left out are left out of both, so that before and after differ by the bounces alone.
-    let after = recover(&scene, &direct, options, job)?;
-    let before = recover(&scene, &raw.direct(), options, job)?;
+    let after = recover(&scene, &direct, &options.left_out, &options.shape_after(), job)?;
+    let before = recover(&scene, &raw.direct(), &options.left_out, &options.shape, job)?;
     let turned = before.normals.map.angular_error(&after.normals.map, &after.normals.solved());
     Ok(Shapes { direct: Arc::new(direct), trust, after: Arc::new(after), before: Arc::new(before), turned })
 }
@@ -121,7 +121,7 @@ fn pictures(set: &CaptureSet, shapes: &Shapes) -> Batch {
     for (light, direct) in set.lights.iter().zip(&*shapes.direct) {
         batch.put(Plain::Direct.of(Of::light(&light.name)), &direct.light);
     }
-    batch.put_shape(SurfaceName::AFTER, &shapes.after);
+    batch.put_shape(SurfaceName::After, &shapes.after);
     batch.put_shape(SurfaceName::Before, &shapes.before);
     if let Some(turned) = turned(&shapes.before.normals.map, &shapes.after.normals.map) {
         batch.put(PlaneName::Turned, &turned);

@@ -1,0 +1,85 @@
+//! The amount of indirect light over the object: even where all walls are in view, higher where some are not.
+
+use std::ops::Range;
+
+use super::indirect::Fit;
+use crate::Mask;
+
+/// Tiles along each side of the object.
+const SIDE: usize = 8;
+/// A tile of less than this share of what is known says nothing of its own.
+const MIN_INFORMATION: f64 = 0.002;
+/// The amount varies by more than this where walls are out of view: rendered bowls vary by 5 %, corners and grooves that run out
+/// of the picture by 16 to 30 %.
+pub const MAX_UNEVENNESS: f64 = 0.1;
+
+/// The amount s of indirect light, `I = s K N_ref`, over the object, all lights together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct AmountReport {
+    /// Its mean, weighted by what the pixels know of it: the albedo of the reference colour where the whole cavity is in view.
+    pub mean: f64,
+    /// What it falls to where it is lowest (in a tenth of the object): nearer to the albedo where walls are out of view.
+    pub lowest: f64,
+    /// How much it varies: from its 5 % to its 95 % quantile, relative to the median.
+    pub unevenness: f64,
+    /// Standard deviation of the mean by noise alone.
+    pub noise: f64,
+}
+
+impl AmountReport {
+    /// Whether walls that send light are likely out of view.
+    pub fn is_uneven(&self) -> bool {
+        self.unevenness > MAX_UNEVENNESS
+    }
+
+    /// `None` where no light arrives anywhere.
+    pub(super) fn of(mask: &Mask, fits: &[Fit]) -> Option<Self> {
+        let (columns, rows) = extent(mask)?;
+        let place = |at: usize, range: &Range<usize>| (at - range.start) * SIDE / range.len();
+        let mut tiles = [(0.0_f64, 0.0_f64); SIDE * SIDE];
+        for y in rows.clone() {
+            for x in columns.clone() {
+                let (information, weighted) = &mut tiles[place(y, &rows) * SIDE + place(x, &columns)];
+                for fit in fits {
+                    *information += f64::from(fit.information.at(x, y));
+                    *weighted += f64::from(fit.weighted.at(x, y));
+                }
+            }
+        }
+        let information: f64 = tiles.iter().map(|tile| tile.0).sum();
+        if information <= 0.0 {
+            return None;
+        }
+        let known = tiles.iter().filter(|tile| tile.0 > MIN_INFORMATION * information);
+        let mut known: Vec<(f64, f64)> = known.map(|tile| (tile.1 / tile.0, tile.0)).collect();
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let spread = quantile(&known, 0.95) - quantile(&known, 0.05);
+        Some(Self {
+            mean: tiles.iter().map(|tile| tile.1).sum::<f64>() / information,
+            lowest: quantile(&known, 0.1),
+            unevenness: spread / quantile(&known, 0.5).max(f64::MIN_POSITIVE),
+            noise: information.sqrt().recip(),
+        })
+    }
+}
+
+/// The value that this share of the weight lies below; `sorted` holds values and weights.
+fn quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
+    let all: f64 = sorted.iter().map(|(_, weight)| weight).sum();
+    let mut below = 0.0;
+    let reached = sorted.iter().find(|(_, weight)| {
+        below += weight;
+        below >= share * all
+    });
+    reached.or(sorted.last()).map_or(0.0, |(value, _)| *value)
+}
+
+/// Columns and rows between which the object lies.
+fn extent(mask: &Mask) -> Option<(Range<usize>, Range<usize>)> {
+    let inside = |&y: &usize| mask.row(y).contains(&true);
+    let (top, bottom) = ((0..mask.height()).find(inside)?, (0..mask.height()).rfind(inside)?);
+    let left = (top..=bottom).filter_map(|y| mask.row(y).iter().position(|inside| *inside)).min()?;
+    let right = (top..=bottom).filter_map(|y| mask.row(y).iter().rposition(|inside| *inside)).max()?;
+    Some((left..right + 1, top..bottom + 1))
+}

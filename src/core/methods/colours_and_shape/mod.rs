@@ -1,0 +1,258 @@
+//! Colours and shape together: the colours tell direct light from indirect light, and the shape tells what the indirect light is
+//! made of. See "Colours and shape together" in [`crate::method`].
+//!
+//! With `N_c' = N_c / alpha_c` and `K f (x)` the light that arrives at x from a surface that shines with f,
+//!
+//! ```text
+//! N_ref = L_1 + I,    N_c' = beta_c L_1 + beta_c r_c I,    r_c(x) = K N_c'(x) / K N_ref(x),    I = s K N_ref
+//! ```
+//!
+//! holds for light that bounces without end. The ratio r_c needs no albedo: of K any factor cancels. The amount s is the albedo of
+//! the reference colour where all of the surface is known, and varies slowly elsewhere; it is fitted in windows.
+
+mod amount;
+mod apply;
+mod arriving;
+mod grid;
+mod indirect;
+mod pyramid;
+mod receivers;
+mod report;
+mod split;
+mod visibility;
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::options::{OptionError, check_range};
+use crate::separate::{LightPhotos, MIN_BETA_DISTANCE, OUTSIDE, SeparateError, UNSOLVED};
+use crate::stereo::normals::{DirectLight, Lamp};
+use crate::stereo::shape::{Shape, ShapeError, ShapeOptions, recover_shape};
+use crate::{Camera, Marks, Mask, Plane, Portion, Watch};
+use arriving::arriving_light;
+use grid::{Grid, GridLight};
+use indirect::{Indirect, indirect_light};
+use pyramid::Pyramid;
+use visibility::Visibility;
+
+pub use amount::{AmountReport, MAX_UNEVENNESS};
+pub use report::{ColoursAndShapeReport, LightReport};
+
+/// Normals that receive light are smoothed by a Gaussian of this standard deviation, within each wall.
+const RECEIVER_WINDOW_PX: f64 = 2.0;
+
+/// How to separate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColoursAndShapeOptions {
+    /// How often light is gathered over the shape and the shape recovered from what is left. 0 leaves the shape out: one colour
+    /// ratio for each light.
+    pub rounds: usize,
+    /// The most cells on which arriving light is computed; photos of more pixels are averaged in blocks for it.
+    pub cells: usize,
+    /// Arriving light is smoothed by a Gaussian of this standard deviation before its colour ratio is taken.
+    pub ratio_window_px: f64,
+    /// The amount of indirect light is fitted in Gaussian windows of this standard deviation.
+    pub amount_window_px: f64,
+}
+
+impl Default for ColoursAndShapeOptions {
+    fn default() -> Self {
+        Self { rounds: 1, cells: 250_000, ratio_window_px: 1.0, amount_window_px: 6.0 }
+    }
+}
+
+/// Shapes that were recovered so often have long come to rest.
+const MAX_ROUNDS: usize = 20;
+
+impl ColoursAndShapeOptions {
+    /// Whether every option is in its range.
+    pub fn check(&self) -> Result<(), OptionError> {
+        check_range("rounds", self.rounds as f64, self.rounds <= MAX_ROUNDS, "from 0 to 20")?;
+        let in_range = (1000..=100_000_000).contains(&self.cells);
+        check_range("cells", self.cells as f64, in_range, "from 1000 to 100 million")?;
+        let window = 0.0..=100.0;
+        check_range("ratio_window_px", self.ratio_window_px, window.contains(&self.ratio_window_px), "from 0 to 100")?;
+        let in_range = (0.5..=100.0).contains(&self.amount_window_px);
+        check_range("amount_window_px", self.amount_window_px, in_range, "from 0.5 to 100")
+    }
+}
+
+/// Why the light could not be separated.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ColoursAndShapeError {
+    /// An option out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// Photos, calibration and mask do not fit together, or two colours that differ are missing.
+    #[error(transparent)]
+    Photos(#[from] SeparateError),
+    /// The watch cancelled.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// What was photographed in two colours or more.
+#[derive(Clone, Copy, Debug)]
+pub struct Photographed<'a> {
+    /// By light.
+    pub lights: &'a [LightPhotos<'a>],
+    /// By light, where it is and its intensity; `None` for one that the surface is recovered without.
+    pub lamps: &'a [Option<(Lamp, f64)>],
+    /// The object.
+    pub mask: &'a Mask,
+    /// What sees it.
+    pub camera: &'a Camera,
+}
+
+/// One light, separated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeparatedLight {
+    /// L_1 in linear light of the reference colour.
+    pub direct: Plane,
+    /// I, all light that bounced more than once.
+    pub indirect: Plane,
+    /// Predicted noise (standard deviation) of L_1.
+    pub noise: Plane,
+    /// Marks of the colours' photos together, and `UNSOLVED` or `OUTSIDE`.
+    pub marks: Marks,
+}
+
+/// All lights, separated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColoursAndShape {
+    /// By light.
+    pub lights: Vec<SeparatedLight>,
+    /// By light, how the indirect light was found.
+    pub maps: Vec<IndirectMaps>,
+    /// How it went.
+    pub report: ColoursAndShapeReport,
+}
+
+/// What is known of the indirect light of one light, a value for each cell of the grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IndirectMaps {
+    /// By colour, the colour ratio r of indirect light over that of the reference colour, with the lamps' ratios divided out.
+    pub ratio: Vec<Plane>,
+    /// s, what part of the arriving light is sent on; `None` where no shape was used.
+    pub amount: Option<Plane>,
+}
+
+/// Separates direct from indirect light. `on_shape` is shown every shape on the way, a pixel for each cell of the grid.
+///
+/// # Errors
+/// `ColoursAndShapeError`: options or calibration out of range, or cancelled. Where no shape can be recovered, one colour ratio a
+/// light is used, and the report says why.
+pub fn separate_by_colours_and_shape(
+    photographed: &Photographed,
+    options: &ColoursAndShapeOptions,
+    shape_options: &ShapeOptions,
+    watch: &dyn Watch,
+    on_shape: &mut dyn FnMut(&Shape),
+) -> Result<ColoursAndShape, ColoursAndShapeError> {
+    options.check()?;
+    photographed.check()?;
+    let Photographed { lights, mask, camera, .. } = *photographed;
+    let grid = Grid::new(lights, mask, camera, options.cells);
+    let even: Vec<_> = grid.lights.iter().map(|light| Indirect::even(light, &grid.mask)).collect();
+    let part = |step: usize| Portion::of(watch, step, 2 * options.rounds + 1);
+    let (mut indirect, mut amount, mut no_shape) = (even.clone(), None, None);
+    for round in 0..options.rounds {
+        let shape = match shape_of(photographed, &grid, &indirect, shape_options, &part(2 * round)) {
+            Ok(shape) => shape,
+            Err(error) if error.is_cancelled() => return Err(ColoursAndShapeError::Cancelled),
+            Err(error) => {
+                no_shape = Some(error);
+                break;
+            }
+        };
+        on_shape(&shape);
+        let arriving = arriving(&grid, &shape, &part(2 * round + 1)).ok_or(ColoursAndShapeError::Cancelled)?;
+        (indirect, amount) = indirect_light(&grid, &even, arriving, options);
+    }
+    let separated = apply::apply(lights, mask, &grid, &indirect, &part(2 * options.rounds));
+    let separated = separated.ok_or(ColoursAndShapeError::Cancelled)?;
+    let report = ColoursAndShapeReport {
+        step_px: grid.step_px,
+        no_shape,
+        amount,
+        lights: separated.iter().zip(&even).map(|(light, even)| LightReport::of(light, even)).collect(),
+    };
+    let maps = indirect.into_iter().map(|indirect| indirect.into_maps(grid.size())).collect();
+    Ok(ColoursAndShape { lights: separated, maps, report })
+}
+
+impl Photographed<'_> {
+    /// # Errors
+    /// Sizes and counts that differ, calibration that is no positive number, or a beta that is 1 in every colour.
+    fn check(&self) -> Result<(), ColoursAndShapeError> {
+        for light in self.lights {
+            light.check()?;
+            let colours = light.beta.len();
+            crate::separate::check_order(light.alpha, light.beta, 1)?;
+            let differs = |beta: &f64| (beta - light.beta[0]).abs() >= MIN_BETA_DISTANCE;
+            match light.beta.iter().skip(1).position(differs) {
+                Some(_) => {}
+                None if colours < 2 => return Err(SeparateError::Order { bounces: 2, colours }.into()),
+                None => {
+                    let beta = [light.beta[0], light.beta[1]];
+                    return Err(SeparateError::SameAlbedo { first: 0, second: 1, beta }.into());
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The surface that the direct light on the grid shows.
+fn shape_of(
+    photographed: &Photographed,
+    grid: &Grid,
+    indirect: &[Indirect],
+    options: &ShapeOptions,
+    watch: &dyn Watch,
+) -> Result<Shape, ShapeError> {
+    let (width, height) = grid.size();
+    let solve = |(light, indirect): (&GridLight, &Indirect)| {
+        let of_cell = |cell: usize| {
+            let split = indirect.split(light, cell);
+            let direct = match &indirect.amount {
+                _ if !grid.mask.data()[cell] || !split.has_light() => None,
+                None => split.direct(),
+                Some(amount) => {
+                    let (light, variance) = (amount.light.data()[cell], amount.variance.data()[cell]);
+                    Some(split.direct_given(f64::from(light), f64::from(variance)))
+                }
+            };
+            let marks = if grid.mask.data()[cell] { UNSOLVED } else { OUTSIDE };
+            direct.map_or((0.0, (0.0, marks)), |(direct, variance)| (direct as f32, (variance.sqrt() as f32, 0)))
+        };
+        let (direct, (noise, marks)): (Vec<f32>, (Vec<f32>, Vec<u8>)) =
+            (0..width * height).into_par_iter().map(of_cell).unzip();
+        let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
+        (plane(direct), plane(noise), Marks::from_vec(width, height, marks).unwrap_or_default())
+    };
+    let solved: Vec<_> = grid.lights.iter().zip(indirect).map(solve).collect();
+    let placed = solved.iter().zip(photographed.lamps).filter_map(|((direct, noise, marks), lamp)| {
+        let (lamp, intensity) = (*lamp)?;
+        Some(DirectLight { direct, noise: Some(noise), marks, lamp, intensity })
+    });
+    let placed: Vec<_> = placed.collect();
+    recover_shape(&placed, &grid.mask, &grid.camera, options, watch)
+}
+
+/// By light, then colour, the light that arrives at every cell. `None` when cancelled.
+fn arriving(grid: &Grid, shape: &Shape, watch: &dyn Watch) -> Option<Vec<Vec<Plane>>> {
+    let channels: Vec<&[f32]> =
+        grid.lights.iter().flat_map(|light| light.colours.iter().map(|photo| photo.light.data())).collect();
+    let known = shape.depth.mask.data().iter().zip(grid.mask.data()).map(|(a, b)| *a && *b).collect();
+    let known = Mask::from_vec(grid.mask.width(), grid.mask.height(), known).unwrap_or_default();
+    let pyramid = Pyramid::new(shape, &grid.camera, &known, &channels);
+    let mut depth = shape.depth.depth_mm.clone();
+    for (depth, known) in depth.data_mut().iter_mut().zip(known.data()) {
+        *depth = if *known { *depth } else { f32::NEG_INFINITY };
+    }
+    let normals = receivers::smoothed(&shape.normals.map, &known, RECEIVER_WINDOW_PX);
+    let visibility = Visibility::new(&pyramid, &grid.camera, &depth);
+    let mut planes = arriving_light(&pyramid, &normals, &known, visibility.as_ref(), watch)?.into_iter();
+    Some(grid.lights.iter().map(|light| planes.by_ref().take(light.colours.len()).collect()).collect())
+}

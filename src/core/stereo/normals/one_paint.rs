@@ -1,0 +1,157 @@
+//! Photometric stereo where the whole object has one paint: the albedo is one number, and of each pixel only the direction of
+//! its normal is unknown. With `L_l = k intensity_l n . d_l` and k from all pixels, unit normals are refined by Gauss-Newton on the
+//! sphere, weighted by noise.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+use rayon::prelude::*;
+
+use super::pixel::{Sample, Stage};
+use super::{Normals, PaintReport, SHADOW_USED, SHADOWED};
+use crate::Watch;
+use crate::block::JOB;
+use crate::separate::{OUTSIDE, UNSOLVED};
+
+/// Enough pixels to know the albedo by.
+const SAMPLED_PIXELS: usize = 20_000;
+/// With the albedo known, two lights give a normal: those in shadow are left out.
+const LIGHTS_FOR_ONE_PAINT: usize = 2;
+/// Refinements of the albedo.
+const ALBEDO_ROUNDS: usize = 4;
+/// Steps of Gauss-Newton, and the turn after which it has come to rest.
+const MAX_STEPS: usize = 6;
+const AT_REST: f64 = 1e-5;
+/// A normal that turns farther than this (about 30 degrees) has left its solution, one that is noisier has none.
+const SMALLEST_COSINE: f64 = 0.87;
+const LARGEST_NOISE_DEG: f64 = 60.0;
+/// How firmly a normal is held to where it was, as a share of what the lights say, where fewer than all reach it.
+const HOLD: f64 = 0.01;
+/// An albedo strays where it differs from the object's by more than this share and three times its own noise.
+const STRAY: f64 = 0.1;
+
+/// What the albedos of an object say about its paint.
+pub(super) fn judge(stage: &Stage, normals: &Normals) -> Option<PaintReport> {
+    let unmarked = |&pixel: &usize| normals.marks.data()[pixel] == 0;
+    let count = normals.marks.data().par_iter().filter(|marks| **marks == 0).count();
+    let every = (count / SAMPLED_PIXELS).max(1);
+    let pixels: Vec<usize> = (0..normals.marks.data().len()).filter(unmarked).step_by(every).collect();
+    let mut all: Vec<(Vec<Sample>, Vector3<f64>)> = Vec::with_capacity(pixels.len());
+    all.extend(
+        pixels.iter().filter_map(|&pixel| Some((stage.samples(pixel), normals.map.at_index(pixel)?.cast::<f64>()))),
+    );
+    let mut albedo = median(pixels.iter().map(|&pixel| f64::from(normals.albedo.data()[pixel])).collect())?;
+    let stray = all.par_iter().zip(&pixels).filter(|((samples, normal), pixel)| {
+        let own = f64::from(normals.albedo.data()[**pixel]);
+        (own - albedo).abs() > STRAY * albedo + 3.0 * noise_of_albedo(samples, normal)
+    });
+    let stray_share = stray.count() as f64 / all.len().max(1) as f64;
+    for _ in 0..ALBEDO_ROUNDS {
+        all.par_iter_mut().for_each(|(samples, normal)| {
+            *normal = refine(samples, *normal, albedo, false).map_or(*normal, |refined| refined.normal);
+        });
+        albedo = median(all.par_iter().map(|(samples, normal)| albedo_of(samples, normal)).collect())?;
+    }
+    Some(PaintReport { one: true, albedo, stray_share })
+}
+
+/// Refines all normals to those of one albedo.
+pub(super) fn refine_all(stage: &Stage, normals: &mut Normals, albedo: f64, watch: &dyn Watch) {
+    let Normals { map, albedo: albedos, noise_deg, marks } = normals;
+    let [x, y, z] = map.planes_mut().map(|plane| plane.data_mut().par_chunks_mut(JOB));
+    let rest = (albedos.data_mut().par_chunks_mut(JOB), noise_deg.data_mut().par_chunks_mut(JOB));
+    (x, y, z, rest.0, rest.1, marks.data_mut().par_chunks_mut(JOB)).into_par_iter().enumerate().for_each(
+        |(job, (x, y, z, albedos, noise_deg, marks))| {
+            if watch.cancelled() {
+                return;
+            }
+            for (at, marks) in marks.iter_mut().enumerate().filter(|(_, marks)| **marks & (UNSOLVED | OUTSIDE) == 0) {
+                let mut samples = stage.samples(job * JOB + at);
+                let left_out = stage.leave_out_shadows(&mut samples, LIGHTS_FOR_ONE_PAINT) == SHADOWED;
+                let normal = Vector3::new(x[at], y[at], z[at]).cast::<f64>();
+                let Some(refined) = refine(&samples, normal, albedo, left_out) else { continue };
+                [x[at], y[at], z[at]] = refined.normal.cast::<f32>().into();
+                albedos[at] = albedo_of(&samples, &refined.normal) as f32;
+                noise_deg[at] = refined.noise_deg as f32;
+                if left_out {
+                    *marks = *marks & !SHADOW_USED | SHADOWED;
+                }
+            }
+        },
+    );
+}
+
+struct Refined {
+    normal: Vector3<f64>,
+    noise_deg: f64,
+}
+
+/// The unit normal that explains the light of one pixel best; `None` where the light says too little. A lamp behind the
+/// surface says nothing; then, or where lights were left out, the others decide, and the normal is held near where it was.
+fn refine(samples: &[Sample], start: Vector3<f64>, albedo: f64, left_out: bool) -> Option<Refined> {
+    let mut normal = start;
+    let mut noise_deg = 0.0;
+    for _ in 0..MAX_STEPS {
+        let (u, v) = tangents(&normal);
+        let (mut matrix, mut noise, mut right) = (Matrix2::zeros(), Matrix2::zeros(), Vector2::zeros());
+        let mut is_held = left_out;
+        for sample in samples {
+            let facing = sample.toward.dot(&normal);
+            if facing <= 0.0 {
+                is_held = true;
+                continue;
+            }
+            let weight = weight_of(sample);
+            let slope = albedo * Vector2::new(sample.toward.dot(&u), sample.toward.dot(&v));
+            matrix += weight * slope * slope.transpose();
+            noise += (weight * sample.sigma).powi(2) * slope * slope.transpose();
+            right += weight * (sample.light - albedo * facing) * slope;
+        }
+        let held = if is_held { HOLD * matrix.trace() } else { 0.0 };
+        matrix += Matrix2::from_diagonal_element(held);
+        right += held * Vector2::new((start - normal).dot(&u), (start - normal).dot(&v));
+        let inverse = matrix.try_inverse()?;
+        let turn = inverse * right;
+        noise_deg = (inverse * noise * inverse).trace().max(0.0).sqrt().to_degrees();
+        normal = (normal + turn.x * u + turn.y * v).normalize();
+        if turn.norm() < AT_REST {
+            break;
+        }
+    }
+    (normal.dot(&start) > SMALLEST_COSINE && noise_deg < LARGEST_NOISE_DEG).then_some(Refined { normal, noise_deg })
+}
+
+/// Two unit vectors across the normal and each other.
+fn tangents(normal: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    let aside = if normal.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
+    let u = normal.cross(&aside).normalize();
+    (u, normal.cross(&u))
+}
+
+/// One over the variance; light of unknown noise counts by itself.
+fn weight_of(sample: &Sample) -> f64 {
+    if sample.sigma > 0.0 { sample.sigma.powi(-2) } else { 1.0 }
+}
+
+/// The albedo that explains the light of one pixel best, its normal known.
+fn albedo_of(samples: &[Sample], normal: &Vector3<f64>) -> f64 {
+    let (mut product, mut square) = (0.0, 0.0);
+    for sample in samples {
+        let facing = sample.toward.dot(normal).max(0.0);
+        product += weight_of(sample) * facing * sample.light;
+        square += weight_of(sample) * facing * facing;
+    }
+    if square > 0.0 { product / square } else { 0.0 }
+}
+
+/// Standard deviation of the length of the least-squares solution.
+fn noise_of_albedo(samples: &[Sample], normal: &Vector3<f64>) -> f64 {
+    let along = |(sample, effect): (&Sample, Vector3<f64>)| (sample.sigma * effect.dot(normal)).powi(2);
+    match super::pixel::effects(samples) {
+        Some(effects) => samples.iter().zip(effects).map(along).sum::<f64>().sqrt(),
+        None => f64::INFINITY,
+    }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
