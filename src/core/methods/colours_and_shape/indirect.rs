@@ -17,7 +17,7 @@ const EXPECTED_SPREAD: f64 = 0.3;
 const LARGEST_AMOUNT: f64 = 1.5;
 
 /// How wrong arriving light is for reasons that its noise does not show: patches, creases, normals between them.
-const MODEL_ERROR: f64 = 0.02;
+const MODEL_ERROR: f64 = 0.01;
 
 /// What is known of the indirect light of one light.
 #[derive(Clone, Debug)]
