@@ -25,7 +25,8 @@ pub use file_names::is_one_of;
 use file_names::{SURFACES, filled};
 pub use names::is_result_name;
 use names::{
-    ALBEDO, BOUNCE, BOUNCES, DEPTH, DEPTH_PNG, NORMAL_NOISE, NORMALS_EXR, NORMALS_PNG, OVERVIEW, PAGE, REPORT,
+    ALBEDO, BOUNCE, BOUNCES, DEPTH, DEPTH_PNG, DIRECT, INDIRECT, NORMAL_NOISE, NORMALS_EXR, NORMALS_PNG, OVERVIEW,
+    PAGE, REPORT, SEPARATED,
 };
 pub use options::OutputOptions;
 
@@ -55,7 +56,7 @@ pub fn write_solved(
     let written = StageCost::measure(&mut stages, Stage::Write, || write_results(solved, &mut files, options, watch));
     let export = written?;
 
-    let path = files.add(OVERVIEW, "photo, bounces of the first light, normals before and after")?;
+    let path = files.add(OVERVIEW, "photo, direct and indirect light of the first light, normals before and after")?;
     write_bytes(&path, &overview(solved).png()?)?;
     files.note(REPORT, "every number of this run");
     files.note(PAGE, "this run on one page, with pictures");
@@ -113,7 +114,7 @@ fn write_results(
     let set = &solved.set;
     let count = set.lights.len() + 2;
     for (l, light) in set.lights.iter().enumerate() {
-        write_bounces(solved, l, &light.name, files)?;
+        write_light(solved, l, &light.name, files)?;
         step(watch, l, count)?;
     }
     lights::write_lights(set, &solved.calibrated, options, files)?;
@@ -140,30 +141,39 @@ fn step(watch: &dyn PipelineWatch, index: usize, count: usize) -> Result<(), Pip
     if watch.cancelled() { Err(PipelineError::Cancelled) } else { Ok(()) }
 }
 
-/// One layered file with all of a light's planes, and a file for each bounce.
-fn write_bounces(solved: &Solved, l: usize, light: &str, files: &mut Files) -> Result<(), PipelineError> {
+/// One layered file with all of a light's planes, and a file for each kind of light.
+fn write_light(solved: &Solved, l: usize, light: &str, files: &mut Files) -> Result<(), PipelineError> {
     let separation = &solved.separated.lights[l];
     let marks = separation.marks.map(f32::from);
-    let names: Vec<_> = (1..=separation.bounces.len()).map(|k| format!("bounce{k}")).collect();
-    let bounces = names.iter().map(String::as_str).zip(separation.bounces.iter().map(Some));
+    let named = |pattern: &str, k: usize| filled(pattern, &[("k", &k.to_string()), ("light", light)]);
+    // By layer: its plane, and the name and the words of its own file.
+    let (layered, what, kinds): (_, _, Vec<_>) = match solved.indirect.get(l) {
+        Some(indirect) => {
+            let direct =
+                ("direct".to_owned(), &separation.bounces[0], named(DIRECT, 1), format!("direct light of {light}"));
+            let what = "direct and indirect light, the noise of direct light, the marks";
+            let indirect =
+                ("indirect".to_owned(), indirect, named(INDIRECT, 1), format!("all light of {light} that bounced"));
+            (SEPARATED, what, vec![direct, indirect])
+        }
+        None => {
+            let bounce =
+                |(k, plane)| (format!("bounce{k}"), plane, named(BOUNCE, k), format!("bounce {k} under light {light}"));
+            let what = "a layer for each bounce, the noise of bounce 1, the residual, the marks";
+            (BOUNCES, what, (1..).zip(&separation.bounces).map(bounce).collect())
+        }
+    };
     let others = [
         ("direct-noise", separation.direct_noise.as_ref()),
         ("residual", separation.residual.as_ref()),
         ("marks", Some(&marks)),
     ];
-    let layers: Vec<_> = bounces
-        .chain(others)
-        .filter_map(|(name, plane)| Some(ExrLayer { name, channels: vec![("Y", plane?)] }))
-        .collect();
-    let path = files.add(
-        filled(BOUNCES, &[("light", light)]),
-        format!("light {light}: a layer for each bounce, the noise of bounce 1, the residual, the marks"),
-    )?;
-    write_exr(&path, &layers)?;
-    for (k, bounce) in (1..).zip(&separation.bounces) {
-        let name = filled(BOUNCE, &[("k", &format!("{k}")), ("light", light)]);
-        let path = files.add(name, format!("bounce {k} under light {light}"))?;
-        write_exr(&path, &[ExrLayer { name: "light", channels: vec![("Y", bounce)] }])?;
+    let layers = kinds.iter().map(|(layer, plane, ..)| (layer.as_str(), Some(*plane))).chain(others);
+    let layers = layers.filter_map(|(name, plane)| Some(ExrLayer { name, channels: vec![("Y", plane?)] }));
+    let path = files.add(named(layered, 1), format!("light {light}: {what}"))?;
+    write_exr(&path, &layers.collect::<Vec<_>>())?;
+    for (_, plane, name, what) in kinds {
+        write_exr(&files.add(name, what)?, &[ExrLayer { name: "light", channels: vec![("Y", plane)] }])?;
     }
     Ok(())
 }

@@ -7,6 +7,9 @@ pub(super) const PAGE: &str = "report.html";
 pub(super) const OVERVIEW: &str = "overview.png";
 pub(super) const BOUNCES: &str = "bounces-{light}.exr";
 pub(super) const BOUNCE: &str = "bounce{k}-{light}.exr";
+pub(super) const SEPARATED: &str = "separated-{light}.exr";
+pub(super) const DIRECT: &str = "direct-{light}.exr";
+pub(super) const INDIRECT: &str = "indirect-{light}.exr";
 pub(super) const LIGHTS: &str = "lights.lp";
 pub(super) const LIGHTS_OF_COLOUR: &str = "lights-{colour}.lp";
 pub(super) const NORMALS_PNG: &str = "normals{surface}.png";
@@ -19,12 +22,15 @@ pub(super) const MESH: &str = "mesh{surface}.{format}";
 pub(super) const MATERIAL: &str = "mesh{surface}.mtl";
 pub(super) const TEXTURE: &str = "albedo{surface}.png";
 
-const ALL: [&str; 16] = [
+const ALL: [&str; 19] = [
     REPORT,
     PAGE,
     OVERVIEW,
     BOUNCES,
     BOUNCE,
+    SEPARATED,
+    DIRECT,
+    INDIRECT,
     LIGHTS,
     LIGHTS_OF_COLOUR,
     NORMALS_PNG,

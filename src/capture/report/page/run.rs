@@ -1,5 +1,7 @@
 //! `report.html`: one page that needs no other file.
 
+use std::borrow::Cow;
+
 use firstbounce_core::Plane;
 use maud::{Markup, html};
 use rayon::prelude::*;
@@ -15,12 +17,21 @@ pub fn overview(solved: &Solved) -> Picture {
     let pictures = Pictures::of(&solved.object.mask);
     let bounces = &solved.separated.lights[0].bounces;
     let mut shown = vec![pictures.light(&solved.object.photos[0][0].linear)];
-    if bounces.len() > 1 {
-        shown.push(pictures.composite(&bounces[0], &sum_of(&bounces[1..])).0);
+    if let Some(indirect) = indirect_of(solved, 0) {
+        shown.push(pictures.composite(&bounces[0], &indirect).0);
     }
     let surfaces = [solved.before.as_ref(), solved.after.as_ref().ok()];
     shown.extend(surfaces.into_iter().flatten().map(|surface| pictures.normals(&surface.shape.normals.map)));
     Picture::row(&shown)
+}
+
+/// All light of light `l` that bounced more than once, as far as the method tells it.
+fn indirect_of(solved: &Solved, l: usize) -> Option<Cow<'_, Plane>> {
+    let later = &solved.separated.lights[l].bounces[1..];
+    match solved.indirect.get(l) {
+        Some(indirect) => Some(Cow::Borrowed(indirect)),
+        None => (!later.is_empty()).then(|| Cow::Owned(sum_of(later))),
+    }
 }
 
 /// The page of a run.
@@ -31,7 +42,7 @@ pub fn html(solved: &Solved, report: &Report) -> Result<String, PipelineError> {
         p { (summary(report, solved.options.method)) }
         (warnings(report))
         @if all_colours { (trust_section(report)) }
-        h2 { "Captures and bounces" }
+        h2 { "Captures and their light" }
         @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
         @if let Some(record) = &report.nayar { (nayar::section(record)) }
         (shape_section(solved, report, pictures)?)
@@ -107,14 +118,18 @@ fn light_section(
         shown.push((format!("Photo, {}", colour.name), pictures.light(&photo.linear).data_address()?));
     }
     let white = pictures.white(&bounces[0]);
-    for (k, bounce) in (1..).zip(bounces) {
-        let own = if k == 1 { white } else { pictures.white(bounce) };
-        let brighter = if k == 1 { String::new() } else { format!(", {:.1} times brightened", white / own) };
-        shown.push((format!("Bounce {k}{brighter}"), pictures.light_with_white(bounce, own).data_address()?));
+    let of_method = solved.indirect.get(l);
+    let direct = if of_method.is_some() { "Direct light" } else { "Bounce 1" };
+    shown.push((direct.into(), pictures.light_with_white(&bounces[0], white).data_address()?));
+    let later = (2..).zip(&bounces[1..]).map(|(k, bounce)| (format!("Bounce {k}"), bounce));
+    for (title, light) in later.chain(of_method.map(|light| ("Indirect light".to_owned(), light))) {
+        let own = pictures.white(light);
+        let caption = format!("{title}, {:.1} times brightened", white / own);
+        shown.push((caption, pictures.light_with_white(light, own).data_address()?));
     }
-    if bounces.len() > 1 {
-        let (composite, amplification) = pictures.composite(&bounces[0], &sum_of(&bounces[1..]));
-        let caption = format!("Bounce 1 red, later bounces cyan, {amplification:.1} times brightened");
+    if let Some(indirect) = indirect_of(solved, l) {
+        let (composite, amplification) = pictures.composite(&bounces[0], &indirect);
+        let caption = format!("{direct} red, the rest cyan, {amplification:.1} times brightened");
         shown.push((caption, composite.data_address()?));
     }
     let words = &report.separation[name];
