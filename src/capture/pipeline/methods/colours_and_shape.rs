@@ -43,7 +43,12 @@ impl ColoursAndShapeSolved {
             };
             warnings.push(format!("the shape was not used ({why}): each light has one colour ratio of indirect light"));
         }
-        if let Some(amount) = self.report.amount.filter(|amount| amount.is_uneven()) {
+        if let Some(amount) = self.report.amount.filter(|amount| amount.has_other_paint()) {
+            warnings.push(format!(
+                "the colours of {:.0} % of the object do not fit beta: another paint is there; of it the reference colour alone was used",
+                100.0 * amount.other_paint_share
+            ));
+        } else if let Some(amount) = self.report.amount.filter(|amount| amount.is_uneven()) {
             warnings.push(format!(
                 "part of the cavity is out of view: the amount of indirect light varies by {:.0} % over the object",
                 100.0 * amount.unevenness

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::indirect::Fit;
+use super::indirect::{Fit, Indirect};
 use crate::Mask;
 
 /// Tiles along each side of the object.
@@ -13,24 +13,36 @@ const MIN_INFORMATION: f64 = 0.002;
 /// of the picture by 16 to 30 %.
 pub const MAX_UNEVENNESS: f64 = 0.1;
 
+/// A smaller share of the object whose colours do not fit beta is dirt, gloss or an edge.
+const MAX_OTHER_PAINT: f64 = 0.02;
+
 /// The amount s of indirect light, `I = s K N_ref`, over the object, all lights together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct AmountReport {
     /// Its mean, weighted by what the pixels know of it: the albedo of the reference colour where the whole cavity is in view.
     pub mean: f64,
+    /// Half of what is known of it lies below this.
+    pub median: f64,
     /// What it falls to where it is lowest (in a tenth of the object): nearer to the albedo where walls are out of view.
     pub lowest: f64,
     /// How much it varies: from its 5 % to its 95 % quantile, relative to the median.
     pub unevenness: f64,
     /// Standard deviation of the mean by noise alone.
     pub noise: f64,
+    /// The share of the object whose colours do not fit beta: another paint, which the reference colour alone is used of.
+    pub other_paint_share: f64,
 }
 
 impl AmountReport {
     /// Whether walls that send light are likely out of view.
     pub fn is_uneven(&self) -> bool {
         self.unevenness > MAX_UNEVENNESS
+    }
+
+    /// Whether the colours of a part of the object do not fit beta.
+    pub fn has_other_paint(&self) -> bool {
+        self.other_paint_share > MAX_OTHER_PAINT
     }
 
     /// `None` where no light arrives anywhere.
@@ -57,10 +69,20 @@ impl AmountReport {
         let spread = quantile(&known, 0.95) - quantile(&known, 0.05);
         Some(Self {
             mean: tiles.iter().map(|tile| tile.1).sum::<f64>() / information,
+            median: quantile(&known, 0.5),
             lowest: quantile(&known, 0.1),
             unevenness: spread / quantile(&known, 0.5).max(f64::MIN_POSITIVE),
             noise: information.sqrt().recip(),
+            other_paint_share: 0.0,
         })
+    }
+
+    /// Counts the cells of the mask whose colours do not fit, in any light.
+    pub(super) fn with_other_paint(self, mask: &Mask, lights: &[Indirect]) -> Self {
+        let amounts: Vec<_> = lights.iter().filter_map(|light| light.amount.as_ref()).collect();
+        let other = |&cell: &usize| mask.data()[cell] && amounts.iter().any(|amount| !amount.fits.data()[cell]);
+        let count = (0..mask.data().len()).filter(other).count();
+        Self { other_paint_share: count as f64 / mask.count().max(1) as f64, ..self }
     }
 }
 

@@ -85,7 +85,7 @@ fn jobs_of(lights: &mut [SeparatedLight], pixels: usize) -> Vec<Vec<Target<'_>>>
 fn solve(target: &mut Target, at: usize, pixel: usize, light: &LightPhotos, indirect: &Indirect, around: &Around) {
     let mean = |value: &dyn Fn(usize) -> f32| around.iter().map(|&(cell, weight)| weight * value(cell)).sum::<f32>();
     let (mut split, mut marks) = (Split::default(), 0);
-    for (c, photo) in light.photos.iter().enumerate() {
+    for (c, photo) in light.photos.iter().enumerate().take(indirect.colours_at(around[0].0)) {
         let mark = photo.marks.data()[pixel];
         marks |= mark;
         if mark == 0 {

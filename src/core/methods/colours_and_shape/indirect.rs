@@ -16,6 +16,8 @@ const EXPECTED_SPREAD: f64 = 0.3;
 /// No paint reflects more than it receives; surfaces out of view may send half as much again.
 const LARGEST_AMOUNT: f64 = 1.5;
 
+/// Relative to that of the object, amounts that walls out of view or errors of the shape can explain.
+const FITTING: std::ops::RangeInclusive<f64> = 0.2..=3.0;
 /// How wrong arriving light is for reasons that its noise does not show: patches, creases, normals between them.
 const MODEL_ERROR: f64 = 0.01;
 
@@ -46,6 +48,9 @@ pub(super) struct Amount {
     pub light: Plane,
     /// Its variance.
     pub variance: Plane,
+    /// Whether the colours fit beta. Where they do not, another paint is there: the reference colour is used alone, with the
+    /// amount of the rest of the object.
+    pub fits: Mask,
 }
 
 impl Ratio {
@@ -80,10 +85,16 @@ impl Indirect {
         }
     }
 
+    /// How many colours of a cell may be used.
+    pub(super) fn colours_at(&self, cell: usize) -> usize {
+        if self.amount.as_ref().is_none_or(|amount| amount.fits.data()[cell]) { self.ratio.len() } else { 1 }
+    }
+
     /// The fit of every cell with the ratios as they are.
     pub(super) fn split(&self, light: &GridLight, cell: usize) -> Split {
         let mut split = Split::default();
-        for ((photo, beta), ratio) in light.colours.iter().zip(&light.beta).zip(&self.ratio) {
+        let colours = light.colours.iter().zip(&light.beta).zip(&self.ratio).take(self.colours_at(cell));
+        for ((photo, beta), ratio) in colours {
             let precision = f64::from(photo.precision.data()[cell]);
             if precision > 0.0 {
                 split.add(f64::from(photo.light.data()[cell]), precision, *beta, f64::from(ratio.at(cell)));
@@ -125,14 +136,15 @@ pub(super) fn indirect_light(
         .collect();
     let fits: Vec<Fit> =
         lights.iter().zip(&grid.lights).map(|((i, arriving), light)| Fit::new(grid, light, i, arriving)).collect();
-    let share = common_share(&fits);
+    let report = AmountReport::of(&grid.mask, &fits);
+    let share = report.map_or(0.0, |report| report.median.clamp(0.0, LARGEST_AMOUNT));
     for ((indirect, arriving), fit) in lights.iter_mut().zip(&fits) {
         indirect.amount = Some(fit.amount(arriving, share, options.amount_window_px));
     }
-    let report = AmountReport::of(&grid.mask, &fits);
-    (lights.into_iter().map(|(indirect, _)| indirect).collect(), report)
+    let lights: Vec<Indirect> = lights.into_iter().map(|(indirect, _)| indirect).collect();
+    let report = report.map(|report| report.with_other_paint(&grid.mask, &lights));
+    (lights, report)
 }
-
 /// What the cells of one light say of s: information, and s times information.
 pub(super) struct Fit {
     pub information: Plane,
@@ -163,27 +175,18 @@ impl Fit {
         let (information, weighted) = (gaussian(&self.information, sigma_px), gaussian(&self.weighted, sigma_px));
         let of_cell = |((information, weighted), arriving): ((&f32, &f32), &f32)| {
             let information = f64::from(*information) + expected;
-            let amount = ((f64::from(*weighted) + expected * share) / information).clamp(0.0, LARGEST_AMOUNT);
-            let arriving = f64::from(*arriving);
-            (
-                amount as f32,
-                (
-                    (amount * arriving) as f32,
-                    (arriving * arriving / (cells * information) + (MODEL_ERROR * amount * arriving).powi(2)) as f32,
-                ),
-            )
+            let fitted = (f64::from(*weighted) + expected * share) / information;
+            let fits = share <= 0.0 || FITTING.contains(&(fitted / share));
+            let amount = if fits { fitted.clamp(0.0, LARGEST_AMOUNT) } else { share };
+            let light = amount * f64::from(*arriving);
+            let variance = f64::from(*arriving).powi(2) / (cells * information) + (MODEL_ERROR * light).powi(2);
+            ((amount as f32, fits), (light as f32, variance as f32))
         };
         let cells = information.data().par_iter().zip(weighted.data()).zip(arriving.data()).map(of_cell);
-        let (share, (light, variance)): (Vec<f32>, (Vec<f32>, Vec<f32>)) = cells.unzip();
-        let plane = |data| Plane::from_vec(arriving.width(), arriving.height(), data).unwrap_or_default();
-        Amount { share: plane(share), light: plane(light), variance: plane(variance) }
+        let ((share, fits), (light, variance)): ((Vec<f32>, Vec<bool>), (Vec<f32>, Vec<f32>)) = cells.unzip();
+        let (width, height) = arriving.size();
+        let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
+        let fits = Mask::from_vec(width, height, fits).unwrap_or_default();
+        Amount { share: plane(share), light: plane(light), variance: plane(variance), fits }
     }
-}
-
-/// s of the whole object, all lights together.
-fn common_share(fits: &[Fit]) -> f64 {
-    let sum = |plane: &Plane| plane.data().par_iter().map(|&value| f64::from(value)).sum::<f64>();
-    let information: f64 = fits.iter().map(|fit| sum(&fit.information)).sum();
-    let weighted: f64 = fits.iter().map(|fit| sum(&fit.weighted)).sum();
-    if information > 0.0 { (weighted / information).clamp(0.0, LARGEST_AMOUNT) } else { 0.0 }
 }

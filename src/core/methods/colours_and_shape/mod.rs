@@ -19,11 +19,14 @@ mod pyramid;
 mod receivers;
 mod report;
 mod split;
+#[cfg(test)]
+mod tests;
 mod visibility;
 
 use rayon::prelude::*;
 use thiserror::Error;
 
+use crate::image::gaussian::gaussian;
 use crate::options::{OptionError, check_range};
 use crate::separate::{LightPhotos, MIN_BETA_DISTANCE, OUTSIDE, SeparateError, UNSOLVED};
 use crate::stereo::normals::{DirectLight, Lamp};
@@ -40,6 +43,11 @@ pub use report::{ColoursAndShapeReport, LightReport};
 
 /// Normals that receive light are smoothed by a Gaussian of this standard deviation, within each wall.
 const RECEIVER_WINDOW_PX: f64 = 2.0;
+
+/// Cells without a normal take the light that arrives around them, within a Gaussian of this standard deviation, unless as few
+/// cells around them are known as this.
+const FILL_WINDOW_PX: f64 = 6.0;
+const MIN_FILL_WEIGHT: f32 = 1e-3;
 
 /// How to separate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -253,6 +261,22 @@ fn arriving(grid: &Grid, shape: &Shape, watch: &dyn Watch) -> Option<Vec<Vec<Pla
     }
     let normals = receivers::smoothed(&shape.normals.map, &known, RECEIVER_WINDOW_PX);
     let visibility = Visibility::new(&pyramid, &grid.camera, &depth);
-    let mut planes = arriving_light(&pyramid, &normals, &known, visibility.as_ref(), watch)?.into_iter();
+    let mut planes = arriving_light(&pyramid, &normals, &known, visibility.as_ref(), watch)?;
+    if known.count() < grid.mask.count() {
+        fill(&mut planes, &known);
+    }
+    let mut planes = planes.into_iter();
     Some(grid.lights.iter().map(|light| planes.by_ref().take(light.colours.len()).collect()).collect())
+}
+
+/// Gives cells without a normal, such as those with a clipped colour, the light that arrives around them: it varies slowly.
+fn fill(planes: &mut [Plane], known: &Mask) {
+    let weight = gaussian(&known.map(|known| if known { 1.0 } else { 0.0 }), FILL_WINDOW_PX);
+    for plane in planes {
+        let around = gaussian(plane, FILL_WINDOW_PX);
+        let cells = plane.data_mut().par_iter_mut().zip(around.data()).zip(weight.data()).zip(known.data());
+        cells.filter(|(_, known)| !**known).for_each(|(((value, around), weight), _)| {
+            *value = if *weight > MIN_FILL_WEIGHT { around / weight } else { 0.0 };
+        });
+    }
 }

@@ -98,7 +98,7 @@ pub enum DepthError {
 }
 
 /// How well the depth holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DepthReport {
     /// Pixels that got a depth.
     pub pixels: usize,
