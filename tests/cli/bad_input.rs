@@ -108,7 +108,7 @@ fn colours_that_see_the_paint_alike() {
 }
 
 #[test]
-fn lights_in_a_plane_still_give_bounces() {
+fn lights_in_a_plane_still_give_direct_light() {
     let place = tempfile::tempdir().unwrap();
     let set = tiny_set::write(place.path());
     for (light, x) in [("left", -0.3), ("top", 0.0), ("right", 0.3)] {
@@ -117,7 +117,7 @@ fn lights_in_a_plane_still_give_bounces() {
     }
     let ran = firstbounce(place.path(), ["solve", "tiny"]);
     assert!(ran.failure().contains("in a plane"), "{}", ran.err);
-    assert!(place.path().join("out/tiny/bounces-left.exr").is_file());
+    assert!(place.path().join("out/tiny/separated-left.exr").is_file());
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn one_colour_and_a_grey_ball_are_enough() {
     assert_eq!(firstbounce(place.path(), ["calibrate", "tiny"]).code, 0);
 
     let report = run(place.path(), &["solve", "tiny", "--json"]).json();
-    assert_eq!(report["method"], "nayar");
+    assert_eq!(report["method"], "shape", "nayar is its older name");
     let nayar = &report["nayar"];
     assert_eq!(nayar["ending"], "converged");
     // The grey ball is 0.4 under a lamp of intensity 1: white is 1.
@@ -81,7 +81,7 @@ fn an_order_that_would_be_ignored_is_refused() {
     let place = tempfile::tempdir().unwrap();
     tiny_set::write(place.path());
     let line = run(place.path(), &["solve", "tiny", "--bounces", "2"]).failure().to_owned();
-    assert!(line.contains("--bounces is for --method bounces"), "{line}");
+    assert!(line.contains("--bounces is for --method colours"), "{line}");
     assert!(!place.path().join("out").exists());
 }
 

@@ -56,9 +56,13 @@ fn bounces_of_a_single_lamp_come_out_although_normals_cannot() {
     let set = tiny_set::write(place.path());
     let text = fs::read_to_string(set.join("capture.toml")).unwrap();
     fs::write(set.join("capture.toml"), without_lights(&text, &["top", "right"])).unwrap();
-    let ran = firstbounce(place.path(), ["solve", "tiny"]);
+    let ran = firstbounce(place.path(), ["solve", "tiny", "--method", "colours"]);
     assert!(ran.failure().contains("at least three"), "{}", ran.err);
     assert!(place.path().join("out/tiny/bounce2-left.exr").is_file());
+    let ran = firstbounce(place.path(), ["solve", "tiny"]);
+    assert!(ran.failure().contains("at least three"), "{}", ran.err);
+    assert!(ran.err.contains("each light has one colour ratio"), "{}", ran.err);
+    assert!(place.path().join("out/tiny/indirect-left.exr").is_file());
     assert!(!place.path().join("out/tiny/mesh.obj").exists());
 }
 

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use super::indirect::{Fit, Indirect};
-use crate::Mask;
+use super::fit::{Amount, Fit};
+use super::indirect::Indirect;
+use crate::{Mask, Plane};
 
 /// Tiles along each side of the object.
 const SIDE: usize = 8;
@@ -32,6 +33,8 @@ pub struct AmountReport {
     pub noise: f64,
     /// The share of the object whose colours do not fit beta: another paint, which the reference colour alone is used of.
     pub other_paint_share: f64,
+    /// The share of indirect light that no surface in view explains.
+    pub outside_share: f64,
 }
 
 impl AmountReport {
@@ -74,15 +77,24 @@ impl AmountReport {
             unevenness: spread / quantile(&known, 0.5).max(f64::MIN_POSITIVE),
             noise: information.sqrt().recip(),
             other_paint_share: 0.0,
+            outside_share: 0.0,
         })
     }
 
-    /// Counts the cells of the mask whose colours do not fit, in any light.
-    pub(super) fn with_other_paint(self, mask: &Mask, lights: &[Indirect]) -> Self {
+    /// Adds what the windows of all lights found.
+    pub(super) fn with_lights(self, mask: &Mask, lights: &[Indirect]) -> Self {
         let amounts: Vec<_> = lights.iter().filter_map(|light| light.amount.as_ref()).collect();
-        let other = |&cell: &usize| mask.data()[cell] && amounts.iter().any(|amount| !amount.fits.data()[cell]);
-        let count = (0..mask.data().len()).filter(other).count();
-        Self { other_paint_share: count as f64 / mask.count().max(1) as f64, ..self }
+        let inside = || (0..mask.data().len()).filter(|&cell| mask.data()[cell]);
+        let other = inside().filter(|&cell| amounts.iter().any(|amount| !amount.fits.data()[cell])).count();
+        let sum = |of: fn(&Amount) -> &Plane| {
+            let of_light = |amount: &&Amount| inside().map(|cell| f64::from(of(amount).data()[cell])).sum::<f64>();
+            amounts.iter().map(of_light).sum::<f64>()
+        };
+        Self {
+            other_paint_share: other as f64 / mask.count().max(1) as f64,
+            outside_share: sum(|amount| &amount.outside) / sum(|amount| &amount.light).max(f64::MIN_POSITIVE),
+            ..self
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::amount::AmountReport;
+use super::fit::{Amount, Fit};
 use super::grid::{Grid, GridLight};
 use super::split::Split;
 use super::{ColoursAndShapeOptions, IndirectMaps};
@@ -11,15 +12,6 @@ use crate::{Mask, Plane};
 
 /// Less light than this, relative to the brightest of the photo, has no colour ratio worth the name.
 const DIM: f32 = 1e-4;
-/// The amount is expected within this share of the object's own, where a window knows no better.
-const EXPECTED_SPREAD: f64 = 0.3;
-/// No paint reflects more than it receives; surfaces out of view may send half as much again.
-const LARGEST_AMOUNT: f64 = 1.5;
-
-/// Relative to that of the object, amounts that walls out of view or errors of the shape can explain.
-const FITTING: std::ops::RangeInclusive<f64> = 0.2..=3.0;
-/// How wrong arriving light is for reasons that its noise does not show: patches, creases, normals between them.
-const MODEL_ERROR: f64 = 0.01;
 
 /// What is known of the indirect light of one light.
 #[derive(Clone, Debug)]
@@ -37,20 +29,6 @@ pub(super) enum Ratio {
     Even(f32),
     /// For every cell.
     Map(Plane),
-}
-
-/// How much indirect light there is.
-#[derive(Clone, Debug)]
-pub(super) struct Amount {
-    /// s.
-    pub share: Plane,
-    /// I in linear light of the reference colour.
-    pub light: Plane,
-    /// Its variance.
-    pub variance: Plane,
-    /// Whether the colours fit beta. Where they do not, another paint is there: the reference colour is used alone, with the
-    /// amount of the rest of the object.
-    pub fits: Mask,
 }
 
 impl Ratio {
@@ -137,56 +115,11 @@ pub(super) fn indirect_light(
     let fits: Vec<Fit> =
         lights.iter().zip(&grid.lights).map(|((i, arriving), light)| Fit::new(grid, light, i, arriving)).collect();
     let report = AmountReport::of(&grid.mask, &fits);
-    let share = report.map_or(0.0, |report| report.median.clamp(0.0, LARGEST_AMOUNT));
+    let share = report.map_or(0.0, |report| report.median.max(0.0));
     for ((indirect, arriving), fit) in lights.iter_mut().zip(&fits) {
         indirect.amount = Some(fit.amount(arriving, share, options.amount_window_px));
     }
     let lights: Vec<Indirect> = lights.into_iter().map(|(indirect, _)| indirect).collect();
-    let report = report.map(|report| report.with_other_paint(&grid.mask, &lights));
+    let report = report.map(|report| report.with_lights(&grid.mask, &lights));
     (lights, report)
-}
-/// What the cells of one light say of s: information, and s times information.
-pub(super) struct Fit {
-    pub information: Plane,
-    pub weighted: Plane,
-}
-
-impl Fit {
-    fn new(grid: &Grid, light: &GridLight, indirect: &Indirect, arriving: &Plane) -> Self {
-        let of_cell = |cell: usize| {
-            if !grid.mask.data()[cell] {
-                return (0.0, 0.0);
-            }
-            let arriving = f64::from(arriving.data()[cell]);
-            let (precision, weighted) = indirect.split(light, cell).indirect();
-            ((precision * arriving * arriving) as f32, (weighted * arriving) as f32)
-        };
-        let (width, height) = grid.size();
-        let (information, weighted): (Vec<f32>, Vec<f32>) = (0..width * height).into_par_iter().map(of_cell).unzip();
-        let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
-        Self { information: plane(information), weighted: plane(weighted) }
-    }
-
-    /// s in windows, `share` where they say nothing.
-    fn amount(&self, arriving: &Plane, share: f64, sigma_px: f64) -> Amount {
-        // Independent cells that one window averages.
-        let cells = 4.0 * std::f64::consts::PI * sigma_px * sigma_px;
-        let expected = (EXPECTED_SPREAD * share.max(0.01)).powi(-2) / cells;
-        let (information, weighted) = (gaussian(&self.information, sigma_px), gaussian(&self.weighted, sigma_px));
-        let of_cell = |((information, weighted), arriving): ((&f32, &f32), &f32)| {
-            let information = f64::from(*information) + expected;
-            let fitted = (f64::from(*weighted) + expected * share) / information;
-            let fits = share <= 0.0 || FITTING.contains(&(fitted / share));
-            let amount = if fits { fitted.clamp(0.0, LARGEST_AMOUNT) } else { share };
-            let light = amount * f64::from(*arriving);
-            let variance = f64::from(*arriving).powi(2) / (cells * information) + (MODEL_ERROR * light).powi(2);
-            ((amount as f32, fits), (light as f32, variance as f32))
-        };
-        let cells = information.data().par_iter().zip(weighted.data()).zip(arriving.data()).map(of_cell);
-        let ((share, fits), (light, variance)): ((Vec<f32>, Vec<bool>), (Vec<f32>, Vec<f32>)) = cells.unzip();
-        let (width, height) = arriving.size();
-        let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
-        let fits = Mask::from_vec(width, height, fits).unwrap_or_default();
-        Amount { share: plane(share), light: plane(light), variance: plane(variance), fits }
-    }
 }

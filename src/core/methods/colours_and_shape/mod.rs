@@ -13,6 +13,7 @@
 mod amount;
 mod apply;
 mod arriving;
+mod fit;
 mod grid;
 mod indirect;
 mod pyramid;
