@@ -22,7 +22,7 @@ use firstbounce_core::stereo::normals::NormalsError;
 pub use balls::{BallPicture, LampSpot};
 pub use crosstalk::Crosstalk;
 pub use paper::{
-    Figure3Point, PUBLISHED, Paper, PaperErrors,
+    AllBouncesPoint, ColoursAndShapeErrors, Figure3Point, MADE_FOR_ALL_BOUNCES, PUBLISHED, Paper, PaperErrors,
     PaperOptions, PaperRecord, PaperRowRecord, PublishedRecord, TableRow, paper, paper_html,
 };
 pub use plan::{Plan, PlanMethod, PlanOptions, PlanPoint, plan};
