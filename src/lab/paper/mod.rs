@@ -191,7 +191,7 @@ mod tests {
             for errors in [row.noiseless, row.eight_bit] {
                 assert_eq!(errors.colours_and_shape.is_some(), row.light == "all bounces");
             }
-            // Four colours without any noise tell four bounces better than the shape of the tray does, of which much is hidden.
+            // Without rounding four colours tell four bounces better than the shape of the tray does.
             let together = row.eight_bit.colours_and_shape;
             assert!(together.is_none_or(|together| together.normals_deg < row.eight_bit.separated_deg), "{row:?}");
         }

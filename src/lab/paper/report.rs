@@ -160,8 +160,8 @@ pub fn paper_html(words: &PaperRecord) -> String {
             "Mean error of the normals against the ratio of the two albedos, for the corner under light that bounces without \
              end: from the photos before separation, from bounce 1 of the paper's method with m = 2, and from the direct \
              light that colours and shape together leave. Above ratio 1 the lamps are dimmer in the second colour, by the \
-             square of the ratio, so that nothing clips. What colours and shape together leave hardly depends on the ratio: \
-             most of it lies along the creases."
+             square of the ratio, so that nothing clips. What colours and shape together leave hardly depends on the ratio, and \
+             falls with the size of the pixels."
         }
         @for bits in FIGURE3_BITS {
             figure {
