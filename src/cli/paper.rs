@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firstbounce_capture::OutputFolder;
-use firstbounce_lab::{PaperOptions, PaperRecord, PaperRowRecord, paper, paper_html};
+use firstbounce_lab::{
+    MADE_FOR_ALL_BOUNCES, PaperErrors, PaperOptions, PaperRecord, PaperRowRecord, paper, paper_html,
+};
 
 use super::progress::Terminal;
 use super::solve::default_place;
@@ -53,10 +55,12 @@ fn text(words: &PaperRecord, page: &Path) -> String {
         "m",
         "before, degrees",
         "bounce 1",
+        "colours and shape",
         "direct light off by",
         "%",
         "no noise: degrees",
         "%",
+        "colours and shape",
         "paper: before",
         "bounce 1",
         "direct light off by",
@@ -69,11 +73,28 @@ fn text(words: &PaperRecord, page: &Path) -> String {
     let ratios = words.figure3.iter().filter(|point| point.bits == 8).map(|point| point.ratio.to_string());
     let mut figure3 = vec![row(["ratio", "8 bits, %", "14 bits, %"])];
     figure3.extend(ratios.zip(curve(8)).zip(curve(14)).map(|((ratio, eight), fourteen)| vec![ratio, eight, fourteen]));
+    let of_bits = |bits: u32| words.figure3_all_bounces.iter().filter(move |point| point.bits == bits);
+    let mut all_bounces = vec![row([
+        "ratio",
+        "8 bits: before",
+        "the paper, m = 2",
+        "colours and shape",
+        "14 bits: before",
+        "the paper, m = 2",
+        "colours and shape",
+    ])];
+    all_bounces.extend(of_bits(8).zip(of_bits(14)).map(|(eight, fourteen)| {
+        let degrees = [eight, fourteen].map(|at| [at.raw_deg, at.separated_deg, at.colours_and_shape_deg]);
+        let degrees = degrees.as_flattened().iter().map(|degrees| format!("{degrees:.2}"));
+        std::iter::once(eight.ratio.to_string()).chain(degrees).collect()
+    }));
     format!(
-        "Table 1, pictures of 8 bits; \"-\": the paper's scan lost it, or has none\n{}\n\n\
-         Figure 3, error of the direct light against the ratio of albedos\n{}\n\nplots in {}",
+        "Table 1, pictures of 8 bits; \"-\": the paper's scan lost it, or has none\n{}\n{MADE_FOR_ALL_BOUNCES}\n\n\
+         Figure 3, error of the direct light against the ratio of albedos\n{}\n\n\
+         Figure 3 with all bounces, error of the normals in degrees\n{}\n\nplots in {}",
         table(&rows),
         table(&figure3),
+        table(&all_bounces),
         page.display()
     )
 }
@@ -81,6 +102,7 @@ fn text(words: &PaperRecord, page: &Path) -> String {
 fn table_row(words: &PaperRowRecord) -> Vec<String> {
     let published = words.published();
     let degrees = |value: Option<f64>| value.map_or_else(|| "-".into(), |value| format!("{value:.2}"));
+    let together = |errors: &PaperErrors| degrees(errors.colours_and_shape.map(|errors| errors.normals_deg));
     let levels = |error: f64, mean: f64| format!("{error:.2} levels of {mean:.0}");
     vec![
         words.scene.to_owned(),
@@ -88,10 +110,12 @@ fn table_row(words: &PaperRowRecord) -> Vec<String> {
         words.bounces.to_string(),
         format!("{:.2}", words.errors.raw_deg),
         format!("{:.2}", words.errors.separated_deg),
+        together(&words.errors),
         levels(words.errors.direct_error_levels, words.mean_direct_level),
         format!("{:.2}", words.errors.direct_error_percent),
         format!("{:.2}", words.noiseless.separated_deg),
         format!("{:.2}", words.noiseless.direct_error_percent),
+        together(&words.noiseless),
         degrees(published.and_then(|paper| paper.raw_deg)),
         degrees(published.and_then(|paper| paper.separated_deg)),
         published.map_or_else(

@@ -183,11 +183,18 @@ pub fn default_place(name: impl AsRef<Path>) -> Result<PathBuf, WriteError> {
 }
 
 /// The summary of a finished run, for the user.
-pub fn summary(report: &Report, folder: &Path) -> String {
+fn summary(report: &Report, folder: &Path) -> String {
     let mut lines = match (&report.nayar, report.method) {
         (Some(nayar), _) => nayar_lines(report, nayar),
         (None, _) => separation_lines(report),
     };
+    lines.extend(result_lines(report, folder));
+    lines.join("\n")
+}
+
+/// What came out of a finished run, and where it lies.
+pub fn result_lines(report: &Report, folder: &Path) -> Vec<String> {
+    let mut lines = Vec::new();
     if let Some(shape) = &report.shape {
         lines.push(format!(
             "normals for {} pixels, expected noise {:.2} degrees; mesh of {} vertices in {}",
@@ -201,7 +208,7 @@ pub fn summary(report: &Report, folder: &Path) -> String {
         report.files.len(),
         folder.display()
     ));
-    lines.join("\n")
+    lines
 }
 
 fn nayar_lines(report: &Report, nayar: &NayarRecord) -> Vec<String> {

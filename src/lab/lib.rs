@@ -3,6 +3,7 @@
 
 mod balls;
 mod crosstalk;
+mod direct;
 mod paper;
 mod plan;
 mod sensor;
@@ -13,6 +14,7 @@ use thiserror::Error;
 use firstbounce_core::denoise::DenoiseError;
 use firstbounce_core::light::radiosity::RadiosityError;
 use firstbounce_core::light::scene::SceneError;
+use firstbounce_core::methods::colours_and_shape::ColoursAndShapeError;
 use firstbounce_core::options::OptionError;
 use firstbounce_core::separate::SeparateError;
 use firstbounce_core::stereo::normals::NormalsError;
@@ -20,10 +22,10 @@ use firstbounce_core::stereo::normals::NormalsError;
 pub use balls::{BallPicture, LampSpot};
 pub use crosstalk::Crosstalk;
 pub use paper::{
-    Figure3Point, PUBLISHED, Paper, PaperErrors, PaperOptions, PaperRecord, PaperRowRecord, PublishedRecord, TableRow,
-    paper, paper_html,
+    AllBouncesPoint, ColoursAndShapeErrors, Figure3Point, MADE_FOR_ALL_BOUNCES, PUBLISHED, Paper, PaperErrors,
+    PaperOptions, PaperRecord, PaperRowRecord, PublishedRecord, TableRow, paper, paper_html,
 };
-pub use plan::{Plan, PlanOptions, PlanPoint, plan};
+pub use plan::{Plan, PlanMethod, PlanOptions, PlanPoint, plan};
 pub use sensor::Sensor;
 
 /// Why the lab could not do what was asked.
@@ -84,6 +86,16 @@ impl From<SeparateError> for LabError {
         match error {
             SeparateError::Cancelled => Self::Cancelled,
             other => Self::Separate(other),
+        }
+    }
+}
+
+impl From<ColoursAndShapeError> for LabError {
+    fn from(error: ColoursAndShapeError) -> Self {
+        match error {
+            ColoursAndShapeError::Cancelled => Self::Cancelled,
+            ColoursAndShapeError::Photos(error) => error.into(),
+            ColoursAndShapeError::Option(error) => error.into(),
         }
     }
 }

@@ -94,15 +94,18 @@ fn a_ratio_that_cannot_be_separated_is_left_out_of_the_plan() {
     let lamps = directions_on_ring(3, 20.0).into_iter();
     let lamps = lamps.map(|direction_to_light| scene::Lamp::Directional { direction_to_light, intensity: 1.0 });
     let options = PlanOptions { lamps: lamps.collect(), ratios: vec![0.5, 0.99, 1.0], ..PlanOptions::default() };
+    let by_bounces = |bounces: usize| PlanOptions { method: PlanMethod::Colours { bounces }, ..options.clone() };
     let ratios = |options: &PlanOptions| -> Vec<f64> {
         let found = plan(&factors, &camera, options, &Unwatched).unwrap();
         found.by_ratio.iter().map(|point| point.ratio).collect()
     };
     assert_eq!(ratios(&options), [0.5]);
     // Four colours between 1 and 0.95 are closer to one another than two.
-    let four = PlanOptions { albedos: vec![0.75, 0.6, 0.4, 0.2], ratios: vec![0.2, 0.95], ..options.clone() };
+    let four = PlanOptions { albedos: vec![0.75, 0.6, 0.4, 0.2], ratios: vec![0.2, 0.95], ..by_bounces(2) };
     assert_eq!(ratios(&four), [0.2]);
-    assert_eq!(ratios(&PlanOptions { bounces: 1, ..options.clone() }), [0.5, 0.99, 1.0], "one bounce needs no ratio");
+    let together = PlanOptions { method: PlanMethod::ColoursAndShape, ..four };
+    assert_eq!(ratios(&together), [0.2, 0.95], "one colour that differs is enough");
+    assert_eq!(ratios(&by_bounces(1)), [0.5, 0.99, 1.0], "one bounce needs no ratio");
     let alike = PlanOptions { albedos: vec![0.75, 0.745], ..options };
     assert!(matches!(plan(&factors, &camera, &alike, &Unwatched), Err(LabError::Separate(_))));
 }

@@ -122,16 +122,35 @@ fn what_cannot_be_simulated_is_refused_in_one_line() {
 }
 
 #[test]
-fn the_plan_tells_noise_from_later_bounces() {
+fn the_plan_tells_noise_from_the_rest_by_each_method() {
     let place = tempfile::tempdir().unwrap();
-    let arguments = ["plan", "groove", "--try-frames", "1,4", "--try-ratios", "0.5,0.9", "--json"];
-    let plan = firstbounce(place.path(), arguments).json();
-    let of = |list: &str, index: usize, key: &str| plan[list][index][key].as_f64().unwrap();
-    // Four times the frames halve the noise and leave the tail; alike colours are noisier.
-    assert!((of("by_frames", 0, "noise_deg") / of("by_frames", 1, "noise_deg") - 2.0).abs() < 1e-6);
-    assert_eq!(of("by_frames", 0, "tail_deg"), of("by_frames", 1, "tail_deg"));
-    assert!(of("by_ratio", 1, "noise_deg") > 2.0 * of("by_ratio", 0, "noise_deg"));
-    assert!(plan["raw_deg"].as_f64().unwrap() > of("by_frames", 1, "error_deg"));
+    let planned = |more: &[&str]| {
+        let arguments = ["plan", "groove", "--try-frames", "1,4", "--try-ratios", "0.5,0.9", "--json"];
+        firstbounce(place.path(), arguments.iter().chain(more)).json()
+    };
+    let of = |plan: &Value, list: &str, index: usize, key: &str| plan[list][index][key].as_f64().unwrap();
+    let (together, paper) = (planned(&[]), planned(&["--method", "colours"]));
+    assert_eq!((&together["method"], &together["bounces"]), (&"colours-and-shape".into(), &1.into()));
+    assert_eq!((&paper["method"], &paper["bounces"]), (&"colours".into(), &2.into()));
+    for plan in [&together, &paper] {
+        // Four times the frames halve the noise and leave the rest; alike colours are noisier.
+        let by_noise = |index: usize| of(plan, "by_frames", index, "noise_deg");
+        assert!((by_noise(0) / by_noise(1) - 2.0).abs() < 1e-6);
+        assert_eq!(of(plan, "by_frames", 0, "tail_deg"), of(plan, "by_frames", 1, "tail_deg"));
+        assert!(plan["raw_deg"].as_f64().unwrap() > of(plan, "by_frames", 1, "error_deg"));
+    }
+    assert!(of(&paper, "by_ratio", 1, "noise_deg") > 1.5 * of(&paper, "by_ratio", 0, "noise_deg"));
+    // A mean of photos, not a difference of them.
+    assert!(of(&together, "by_frames", 0, "gain") < 1.0 && of(&paper, "by_frames", 0, "gain") > 4.0);
+    assert!(of(&together, "by_frames", 1, "error_deg") < of(&paper, "by_frames", 1, "error_deg"));
+
+    let refused = |more: &[&str]| {
+        let ran = firstbounce(place.path(), ["plan", "groove"].iter().chain(more));
+        ran.failure().to_owned()
+    };
+    assert!(refused(&["--method", "colours-and-shape", "--bounces", "2"]).contains("--method colours"));
+    assert!(refused(&["--method", "colours-and-shape", "--albedos", "0.5"]).contains("two colours"));
+    assert_eq!(firstbounce(place.path(), ["plan", "groove", "--method", "shape"]).code, 2);
 }
 
 #[test]
@@ -150,9 +169,20 @@ fn the_papers_experiments_are_printed_and_plotted() {
         }
     }
     assert!(rows[0]["noiseless"]["separated_deg"].as_f64().unwrap() <= 0.3);
+    for row in rows {
+        let together = &row["colours_and_shape"];
+        assert_eq!(together.is_object(), row["light"] == "all bounces", "{row}");
+        let degrees = together["normals_deg"].as_f64();
+        assert!(degrees.is_none_or(|degrees| degrees < row["separated_deg"].as_f64().unwrap()), "{row}");
+    }
+    let all_bounces = paper["figure3_all_bounces"].as_array().unwrap();
+    assert_eq!(all_bounces.len(), paper["figure3"].as_array().unwrap().len());
+    let keys = ["ratio", "bits", "raw_deg", "separated_deg", "colours_and_shape_deg"];
+    assert!(all_bounces.iter().all(|point| keys.iter().all(|key| point[key].is_number())));
     assert!(paper["figure3"].as_array().unwrap().iter().any(|point| point["ratio"].as_f64().unwrap() > 1.0));
     let page = fs::read_to_string(place.path().join("pages/paper.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("ratio of albedos") && page.contains("7.88"));
+    assert!(page.contains("Figure 3 with all bounces") && page.contains("light that bounces without end"));
 
     let ran = firstbounce(place.path(), ["paper", "--size", "5"]);
     assert!(ran.failure().contains("size_px is 5"), "{}", ran.err);

@@ -51,6 +51,33 @@ fn separation_beats_the_raw_photos_on_the_demo_set() {
 }
 
 #[test]
+fn the_demo_tells_how_far_each_method_is_off() {
+    let place = tempfile::tempdir().unwrap();
+    let ran = firstbounce(place.path(), ["demo", "--no-window"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    // Degrees are the first number of a row.
+    let degrees = |row: &str| -> f64 {
+        let line = ran.out.lines().find(|line| line.starts_with(row)).unwrap_or_else(|| panic!("{row}: {}", ran.out));
+        line[row.len()..].split_whitespace().find_map(|word| word.parse().ok()).unwrap()
+    };
+    let [before, paper, together] =
+        ["photos before separation", "the paper's method, 2 bounces", "colours and shape"].map(degrees);
+    assert!(together < 0.3 * paper && paper < 0.3 * before, "{}", ran.out);
+    for words in ["3 lamps in 2 colours", "solved by colours and shape", "open report.html there", "firstbounce open"] {
+        assert!(ran.out.contains(words), "{words}: {}", ran.out);
+    }
+
+    // The set is the user's to change: without a truth the demo still ends with its results.
+    let set = place.path().join("out/demo/set/capture.toml");
+    let toml = fs::read_to_string(&set).unwrap();
+    fs::write(&set, format!("{toml}\n[truth]\nnormals = \"none.exr\"\n")).unwrap();
+    let again = firstbounce(place.path(), ["demo", "--no-window"]);
+    assert!(again.code == 0 && !again.out.contains("before separation"), "{}{}", again.out, again.err);
+    let record = firstbounce(place.path(), ["demo", "--no-window", "--json"]).json();
+    assert!(record["evaluations"].as_object().unwrap().is_empty() && record["shape"].is_object());
+}
+
+#[test]
 fn bounces_of_a_single_lamp_come_out_although_normals_cannot() {
     let place = tempfile::tempdir().unwrap();
     let set = tiny_set::write(place.path());

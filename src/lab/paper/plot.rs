@@ -58,7 +58,7 @@ impl Axis {
 pub struct Curve {
     /// What it shows.
     pub name: String,
-    /// Its colour and dash in the page's style: "first", "second", "expected".
+    /// Its colour and dash in the page's style: "before", "first", "second", "third", "expected".
     pub class: &'static str,
     /// Points (x, y) of each piece.
     pub pieces: Vec<Vec<(f64, f64)>>,
@@ -149,7 +149,7 @@ impl Plot {
 pub struct Bar {
     /// What it shows.
     pub name: &'static str,
-    /// Its colour in the page's style: "before", "first" or "second".
+    /// Its colour in the page's style: "before", "first", "second" or "third".
     pub class: &'static str,
     /// How long it is.
     pub value: f64,

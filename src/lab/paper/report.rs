@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use serde::Serialize;
 
 use super::plot::{Axis, Bar, Curve, Plot, Scale, bars};
-use super::{Figure3Point, Paper, PaperErrors, PaperOptions, TableRow};
+use super::{AllBouncesPoint, FIGURE3_BITS, Figure3Point, Paper, PaperErrors, PaperOptions, TableRow};
 use firstbounce_capture::report::page::page;
 
 /// What survives of the paper's own figures for one scene. The scan lost most cells of its Table 1.
@@ -59,7 +59,13 @@ pub struct PaperRecord {
     pub figure3: Vec<Figure3Point>,
     /// The paper's own figures.
     pub published: [PublishedRecord; 2],
+    /// Figure 3 for light of all bounces: errors of the normals.
+    pub figure3_all_bounces: Vec<AllBouncesPoint>,
 }
+
+/// Why some rows have no result of colours and shape together.
+pub const MADE_FOR_ALL_BOUNCES: &str = "Colours and shape together take the indirect light for light that bounces without end, \
+     so where light is cut after m bounces the method has no result.";
 
 /// One scene under one kind of light, in pictures of 8 bits.
 #[derive(Clone, Debug, Serialize)]
@@ -92,6 +98,7 @@ impl PaperRecord {
             table: paper.table.iter().map(PaperRowRecord::of).collect(),
             figure3: paper.figure3.clone(),
             published: PUBLISHED,
+            figure3_all_bounces: paper.figure3_all_bounces.clone(),
         }
     }
 }
@@ -135,6 +142,7 @@ pub fn paper_html(words: &PaperRecord) -> String {
              the model is exact and what is left is rounding; with all bounces, what bounced more often is charged to \
              the bounces that are separated. The paper's figures are those that survive in its scan."
         }
+        p { (MADE_FOR_ALL_BOUNCES) }
         (degrees(words))
         h2 { "Figure 3" }
         p {
@@ -147,17 +155,38 @@ pub fn paper_html(words: &PaperRecord) -> String {
             summary { "The numbers" }
             (figure3_table(words))
         }
+        h2 { "Figure 3 with all bounces" }
+        p {
+            "Mean error of the normals against the ratio of the two albedos, for the corner under light that bounces without \
+             end: from the photos before separation, from bounce 1 of the paper's method with m = 2, and from the direct \
+             light that colours and shape together leave. Above ratio 1 the lamps are dimmer in the second colour, by the \
+             square of the ratio, so that nothing clips. What colours and shape together leave hardly depends on the ratio, and \
+             falls with the size of the pixels."
+        }
+        @for bits in FIGURE3_BITS {
+            figure {
+                (all_bounces(words, bits).svg())
+                figcaption { (bits) " bits." }
+            }
+        }
+        details {
+            summary { "The numbers" }
+            (all_bounces_table(words))
+        }
     };
     page("The paper's synthetic experiments", include_str!("plot.css"), &words.program, &body)
 }
 
 fn table(words: &PaperRecord) -> Markup {
     let of = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
+    let together = |errors: &PaperErrors| of(errors.colours_and_shape.map(|errors| errors.normals_deg));
     html! {
         table {
             tr {
                 th { "Scene" } th { "light" } th { "m" } th { "before, degrees" } th { "bounce 1, degrees" }
+                th { "colours and shape, degrees" }
                 th { "direct light off by, levels" } th { "%" } th { "no noise: degrees" } th { "%" }
+                th { "colours and shape" }
                 th { "paper: before" } th { "bounce 1" } th { "levels" } th { "%" }
             }
             @for row in &words.table {
@@ -166,10 +195,12 @@ fn table(words: &PaperRecord) -> Markup {
                     td { (row.scene) } td { (row.light) } td { (row.bounces) }
                     td { (format!("{:.2}", row.errors.raw_deg)) }
                     td { strong { (format!("{:.2}", row.errors.separated_deg)) } }
+                    td { strong { (together(&row.errors)) } }
                     td { (format!("{:.2} of {:.0}", row.errors.direct_error_levels, row.mean_direct_level)) }
                     td { (format!("{:.2}", row.errors.direct_error_percent)) }
                     td { (format!("{:.2}", row.noiseless.separated_deg)) }
                     td { (format!("{:.2}", row.noiseless.direct_error_percent)) }
+                    td { (together(&row.noiseless)) }
                     td { (of(published.and_then(|paper| paper.raw_deg))) }
                     td { (of(published.and_then(|paper| paper.separated_deg))) }
                     td { (published.map_or("-".into(), |paper| {
@@ -184,11 +215,15 @@ fn table(words: &PaperRecord) -> Markup {
 
 fn degrees(words: &PaperRecord) -> Markup {
     let group = |row: &PaperRowRecord| {
-        let bars = vec![
+        let mut bars = vec![
             Bar { name: "before", class: "before", value: row.errors.raw_deg },
             Bar { name: "bounce 1, 8 bits", class: "first", value: row.errors.separated_deg },
             Bar { name: "no noise", class: "second", value: row.noiseless.separated_deg },
         ];
+        let together = |errors: &PaperErrors| errors.colours_and_shape.map(|errors| errors.normals_deg);
+        let of_both = [("colours and shape, 8 bits", &row.errors), ("no noise", &row.noiseless)];
+        let of_both = of_both.map(|(name, errors)| Some(Bar { name, class: "third", value: together(errors)? }));
+        bars.extend(of_both.into_iter().flatten());
         (format!("{}, {}", row.scene, row.light), bars)
     };
     let groups: Vec<_> = words.table.iter().map(group).collect();
@@ -221,20 +256,69 @@ fn figure3(words: &PaperRecord) -> Plot {
         pieces: vec![expected(|ratio| ratio < 1.0), expected(|ratio| ratio > 1.0)],
         dots: false,
     };
-    let most = ratios().fold(1.0, f64::max);
     Plot {
         description:
             "Error of the direct light in percent, on a log scale, against the ratio of albedos: it rises to both \
                       sides of ratio 1"
                 .into(),
-        x: Axis {
-            label: "ratio of albedos, second over first",
-            scale: Scale::Linear,
-            range: [0.0, most],
-            ticks: (0..=(most / 0.1).round() as usize).step_by(2).map(|k| k as f64 / 10.0).collect(),
-        },
+        x: ratio_axis(ratios()),
         y: Axis::decades("error of the direct light, % (log scale)", words.figure3.iter().map(|p| p.error_percent)),
         curves: vec![curve(8, "first"), curve(14, "second"), expected],
+    }
+}
+
+fn ratio_axis(ratios: impl Iterator<Item = f64>) -> Axis {
+    let most = ratios.fold(1.0, f64::max);
+    Axis {
+        label: "ratio of albedos, second over first",
+        scale: Scale::Linear,
+        range: [0.0, most],
+        ticks: (0..=(most / 0.1).round() as usize).step_by(2).map(|k| k as f64 / 10.0).collect(),
+    }
+}
+
+/// One curve a method.
+fn all_bounces(words: &PaperRecord, bits: u32) -> Plot {
+    let of_bits = || words.figure3_all_bounces.iter().filter(|point| point.bits == bits);
+    let curve = |name: &str, class: &'static str, degrees: fn(&AllBouncesPoint) -> f64| {
+        let side = |keep: fn(f64) -> bool| -> Vec<(f64, f64)> {
+            of_bits().filter(|point| keep(point.ratio)).map(|point| (point.ratio, degrees(point))).collect()
+        };
+        let pieces = vec![side(|ratio| ratio < 1.0), side(|ratio| ratio > 1.0)];
+        Curve { name: name.into(), class, pieces, dots: true }
+    };
+    let degrees = words.figure3_all_bounces.iter();
+    let degrees = degrees.flat_map(|point| [point.raw_deg, point.separated_deg, point.colours_and_shape_deg]);
+    Plot {
+        description: format!(
+            "Errors of the normals in degrees, on a log scale, against the ratio of albedos in pictures of {bits} bits: before \
+             separation, by the paper's method and by colours and shape together"
+        ),
+        x: ratio_axis(of_bits().map(|point| point.ratio)),
+        y: Axis::decades("error of the normals, degrees (log scale)", degrees),
+        curves: vec![
+            curve("colours and shape", "third", |point| point.colours_and_shape_deg),
+            curve("the paper, m = 2", "first", |point| point.separated_deg),
+            curve("before", "before", |point| point.raw_deg),
+        ],
+    }
+}
+
+fn all_bounces_table(words: &PaperRecord) -> Markup {
+    html! {
+        table {
+            tr {
+                th { "ratio" } th { "bits" } th { "before, degrees" } th { "the paper, m = 2" } th { "colours and shape" }
+            }
+            @for point in &words.figure3_all_bounces {
+                tr {
+                    td { (point.ratio) } td { (point.bits) }
+                    td { (format!("{:.2}", point.raw_deg)) }
+                    td { (format!("{:.2}", point.separated_deg)) }
+                    td { (format!("{:.2}", point.colours_and_shape_deg)) }
+                }
+            }
+        }
     }
 }
 

@@ -14,7 +14,7 @@ use firstbounce_lab::simulate::{
     BallOptions, Exposure, LampOptions, LampPlace, Measures, PlanGrid, RigRecord, Scene, SimulateError,
     SimulateOptions, Simulated, plan_rig, simulate, write_simulated,
 };
-use firstbounce_lab::{Crosstalk, Sensor};
+use firstbounce_lab::{Crosstalk, PlanMethod, Sensor};
 
 /// A set small enough for a test.
 fn small(scene: &str) -> SimulateOptions {
@@ -203,19 +203,25 @@ fn the_brightest_pixel_is_as_bright_as_asked_for_with_crosstalk_too() {
 
 #[test]
 fn the_plan_predicts_what_solving_finds() {
-    for (frames, ratio) in [(1, 0.5), (16, 0.5), (4, 0.85)] {
+    for (scene, frames, ratio) in [("corner", 1, 0.5), ("corner", 16, 0.5), ("corner", 4, 0.85), ("groove", 4, 0.5)] {
         let albedos = vec![0.75, 0.75 * ratio];
         let sensor = Sensor { frames, ..Sensor::default() };
         let balls = Some(BallOptions::for_paint(&albedos));
-        let options = SimulateOptions { albedos, sensor, balls, size_px: 160, ..small("corner") };
-        let grid = PlanGrid { frames: vec![frames], ratios: vec![ratio], ..PlanGrid::default() };
-        let plan = plan_rig(&options, &grid, &Unwatched).unwrap();
-        let errors = evaluated(&options).normal_error_deg;
-        let (planned, found) = (&plan.by_frames[0], errors.separated.mean);
-        println!("{frames} frames, ratio {ratio}: planned {planned:?}, found {errors:?}");
-        assert!((planned.error_deg / found - 1.0).abs() < 0.2, "planned {planned:?}, found {found}");
-        assert!((plan.raw_deg / errors.raw.mean - 1.0).abs() < 0.1, "planned {}, found {:?}", plan.raw_deg, errors.raw);
-        assert_eq!(plan.by_ratio[0].albedos, planned.albedos);
+        let options = SimulateOptions { albedos, sensor, balls, size_px: 160, ..small(scene) };
+        let place = tempfile::tempdir().unwrap();
+        let (set, _) = written(&options, place.path());
+        for method in [PlanMethod::ColoursAndShape, PlanMethod::paper(2)] {
+            let grid =
+                PlanGrid { method: Some(method), frames: vec![frames], ratios: vec![ratio], ..PlanGrid::default() };
+            let plan = plan_rig(&options, &grid, &Unwatched).unwrap();
+            let solve = SolveOptions { method: method.method(), ..SolveOptions::of(&set) };
+            let errors = evaluate(&set, &solve, &Unattended).unwrap().normal_error_deg;
+            let (planned, found, raw) = (&plan.by_frames[0], errors.separated.mean, errors.raw.mean);
+            println!("{scene}, {frames} frames, ratio {ratio}: planned {planned:?}, found {errors:?}");
+            assert!((planned.error_deg / found - 1.0).abs() < 0.25, "planned {planned:?}, found {found}");
+            assert!((plan.raw_deg / raw - 1.0).abs() < 0.1, "planned {}, found {raw}", plan.raw_deg);
+            assert_eq!(plan.by_ratio[0].albedos, planned.albedos);
+        }
     }
 }
 
