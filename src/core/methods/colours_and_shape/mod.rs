@@ -13,6 +13,7 @@
 mod amount;
 mod apply;
 mod arriving;
+mod even;
 mod grid;
 mod indirect;
 mod pyramid;
@@ -36,6 +37,7 @@ use pyramid::Pyramid;
 use visibility::Visibility;
 
 pub use amount::{AmountReport, MAX_UNEVENNESS};
+pub use even::even_operator;
 pub use report::{ColoursAndShapeReport, LightReport};
 
 /// Normals that receive light are smoothed by a Gaussian of this standard deviation, within each wall.
