@@ -75,9 +75,9 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     assert_eq!(found.surface.shape.normals.map, surfaced.shape.normals.map);
     let solved_mesh = surfaced.mesh;
 
-    // Its pictures compare with those of bounce 1.
+    // Its pictures compare with those of the method in force.
     hands.click_button("Show normals by Nayar's method");
-    hands.click_button("Show direct light by Nayar's method, left minus Bounce 1 with less noise, left");
+    hands.click_button("Show direct light by Nayar's method, left minus Direct light, left");
     let document = hands.session().document();
     let by_both = Shown::difference(Plain::Albedo.of(SURFACE), Plain::Albedo.of(SurfaceName::After));
     assert!(picture(&by_both, &document, &hands.session().results).is_ok());

@@ -4,6 +4,7 @@ use firstbounce_core::image::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 use thiserror::Error;
 
+use super::preview;
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{
@@ -82,7 +83,7 @@ pub enum PictureError {
 
 /// The picture, or why there is none yet.
 pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, PictureError> {
-    if shown.by_method().is_some_and(|method| !document.settings.is_compared(method)) {
+    if shown.by_method().is_some_and(|method| !document.is_compared(method)) {
         return Err(not_yet(shown, document, results));
     }
     let (source, display) = drawn(shown, document, results)?;
@@ -108,7 +109,7 @@ fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Sourc
         Shown::Bounce { light, k } => {
             let source = Source::value(bounce(document, results, light, *k)?)?;
             let range = pictures.plane(&PlaneName::Bounce(light.clone(), *k)).map(|stored| stored.range);
-            let range = range.or_else(|| reference(document, results, light).map(|photo| photo.range));
+            let range = range.or_else(|| range_of_bounce(document, results, light, *k));
             let source = with_marks(masked(source), results, &MarksName::Separation(light.clone()));
             Ok((source, grey(range.unwrap_or([0.0, 1.0]))))
         }
@@ -147,6 +148,12 @@ fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Sourc
             let largest = picture(a, document, results)?.display.range[1].abs() / 4.0;
             Ok((masked(Source::difference(first, second)?), Display::signed(largest)))
         }
+        Shown::Plain(name) if preview::words(name, document, results).is_some() => {
+            let source = Source::value(preview::layer(name, document, results)?)?;
+            let own = pictures.plane(&name.clone().into()).map(|stored| stored.range);
+            let range = own.or_else(|| reference(document, results, name.light()?).map(|photo| photo.range));
+            Ok((masked(source), grey(range.unwrap_or([0.0, 1.0]))))
+        }
         Shown::Plain(name) => {
             let row = name.plain.row();
             let own = stored(name.clone().into())?;
@@ -173,6 +180,9 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::Photo(shot) => stored(PlaneName::Photo(shot.clone())),
         Shown::Bounce { light, k } => bounce(document, results, light, *k),
         Shown::Sum { light } => sum(document, results, light),
+        Shown::Plain(name) if preview::words(name, document, results).is_some() => {
+            preview::layer(name, document, results)
+        }
         Shown::Plain(name) => stored(name.clone().into()),
         Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Surface | Shown::Difference(..) => {
             Err(PictureError::SeveralValues { title: shown.title() })
@@ -214,7 +224,15 @@ fn sum(document: &Document, results: &Results, light: &str) -> Result<Layer, Pic
     combination(document, results, light, |c| system.operator.column(c).sum())
 }
 
-fn combination(
+/// Where the values of a bounce lie that no stage has computed: as those of the photo, as far as it is darker on the mean.
+fn range_of_bounce(document: &Document, results: &Results, light: &str, k: usize) -> Option<[f32; 2]> {
+    let photo = reference(document, results, light)?.range;
+    let share = results.rig(document).share_of_bounce(light, k).filter(|share| *share > 0.0).unwrap_or(1.0);
+    Some(photo.map(|end| end * share.min(1.0) as f32))
+}
+
+/// The photos of a light, each with its weight, added up.
+pub(super) fn combination(
     document: &Document,
     results: &Results,
     light: &str,
@@ -267,6 +285,15 @@ fn with_marks(source: Source, results: &Results, name: &MarksName) -> Source {
     match results.pictures().marks(name) {
         Some(marks) => source.clone().with_marks(marks.clone()).unwrap_or(source),
         None => source,
+    }
+}
+
+/// What is shown in the place of a picture whose stage is at work.
+pub fn previewed(shown: &Shown, document: &Document, results: &Results) -> Option<&'static str> {
+    match shown {
+        Shown::Plain(name) => preview::words(name, document, results),
+        Shown::Difference(a, b) => previewed(a, document, results).or_else(|| previewed(b, document, results)),
+        _ => None,
     }
 }
 

@@ -61,6 +61,12 @@ pub enum StageError {
         /// Which one.
         method: Method,
     },
+    /// A method that is compared with itself.
+    #[error("{} is the method in force: its results are those after separation", .method.title())]
+    InForce {
+        /// Which one.
+        method: Method,
+    },
     /// A stage before is on its way.
     #[error("the step before is not done yet")]
     TooEarly,
