@@ -97,7 +97,7 @@ fn nayars_method_is_asked_for_compared_and_undone() {
     hands.click_button("Write all results");
     hands.wait_to_see("Written into");
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("report.json")).unwrap()).unwrap();
-    assert_eq!((&report["method"], &report["nayar"]["chosen"]), (&"nayar".into(), &chosen.into()));
+    assert_eq!((&report["method"], &report["nayar"]["chosen"]), (&"shape".into(), &chosen.into()));
     assert!(out.join("mesh.obj").is_file() && out.join("bounce1-left.exr").is_file());
     assert!(!out.join("bounce2-left.exr").exists(), "its bounces are not told apart");
     hands.session().panel = PanelName::Shape;

@@ -10,6 +10,9 @@ use crate::app::state::session::Session;
 /// Nothing for a method without numbers of its own.
 pub fn ui(ui: &mut Ui, session: &mut Session, document: &Document, method: Method) {
     let needs_albedo = method.needs().absolute_albedo;
+    if !needs_albedo && method != Method::Shape {
+        return;
+    }
     let mut settings = document.settings.nayar.clone();
     let mut changed = None;
     Grid::new("nayar options").num_columns(2).show(ui, |ui| {

@@ -245,7 +245,9 @@ fn canvas(
     if let Some(words) = previewed(&view.shown, &document, &session.results) {
         let canvas = response.transform.rect;
         plate_in(&ui.painter_at(canvas), canvas, Align2::LEFT_TOP, words);
-        ui.ctx().accesskit_node_builder(response.response.id, |node| node.set_description(words));
+        if other.is_none() {
+            ui.ctx().accesskit_node_builder(response.response.id, |node| node.set_description(words));
+        }
     }
     overlay.overlay(ui, &Over { shown: &view.shown, picture: shown, canvas: &response }, session);
 }

@@ -15,6 +15,9 @@ use crate::gpu::{ColourMap, Display, Layer, Source, SourceError, Tint};
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
 const FIGURE_ONE_GAIN: f32 = 3.0;
 
+/// Pixels along either side of a picture that are looked at for the range of its values.
+const SAMPLES: usize = 32;
+
 /// Numbers, and how they are best shown.
 #[derive(Clone, Debug)]
 pub struct Picture {
@@ -83,8 +86,9 @@ pub enum PictureError {
 
 /// The picture, or why there is none yet.
 pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, PictureError> {
-    if shown.by_method().is_some_and(|method| !document.is_compared(method)) {
-        return Err(not_yet(shown, document, results));
+    if let Some(method) = shown.by_method().filter(|method| !document.is_compared(*method)) {
+        let in_force = method == document.method();
+        return Err(if in_force { StageError::InForce { method } } else { StageError::NotAsked { method } }.into());
     }
     let (source, display) = drawn(shown, document, results)?;
     Ok(Picture { source, display, quantity: shown.quantity(&document.set).words })
@@ -109,9 +113,9 @@ fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Sourc
         Shown::Bounce { light, k } => {
             let source = Source::value(bounce(document, results, light, *k)?)?;
             let range = pictures.plane(&PlaneName::Bounce(light.clone(), *k)).map(|stored| stored.range);
-            let range = range.or_else(|| range_of_bounce(document, results, light, *k));
+            let range = range.unwrap_or_else(|| sampled_range(&source));
             let source = with_marks(masked(source), results, &MarksName::Separation(light.clone()));
-            Ok((source, grey(range.unwrap_or([0.0, 1.0]))))
+            Ok((source, grey(range)))
         }
         Shown::Sum { light } => {
             let source = Source::value(sum(document, results, light)?)?;
@@ -151,8 +155,8 @@ fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Sourc
         Shown::Plain(name) if preview::words(name, document, results).is_some() => {
             let source = Source::value(preview::layer(name, document, results)?)?;
             let own = pictures.plane(&name.clone().into()).map(|stored| stored.range);
-            let range = own.or_else(|| reference(document, results, name.light()?).map(|photo| photo.range));
-            Ok((masked(source), grey(range.unwrap_or([0.0, 1.0]))))
+            let range = own.unwrap_or_else(|| sampled_range(&source));
+            Ok((masked(source), grey(range)))
         }
         Shown::Plain(name) => {
             let row = name.plain.row();
@@ -224,11 +228,16 @@ fn sum(document: &Document, results: &Results, light: &str) -> Result<Layer, Pic
     combination(document, results, light, |c| system.operator.column(c).sum())
 }
 
-/// Where the values of a bounce lie that no stage has computed: as those of the photo, as far as it is darker on the mean.
-fn range_of_bounce(document: &Document, results: &Results, light: &str, k: usize) -> Option<[f32; 2]> {
-    let photo = reference(document, results, light)?.range;
-    let share = results.rig(document).share_of_bounce(light, k).filter(|share| *share > 0.0).unwrap_or(1.0);
-    Some(photo.map(|end| end * share.min(1.0) as f32))
+/// From zero to the brightest values but for the outermost half percent, of a few pixels all over: what is drawn from the photos
+/// was counted by no stage.
+fn sampled_range(source: &Source) -> [f32; 2] {
+    let (width, height) = source.size();
+    let place = |k: usize, pixels: usize| (2 * k + 1) * pixels / (2 * SAMPLES);
+    let at = |k: usize| source.values_at(place(k % SAMPLES, width), place(k / SAMPLES, height)).first().copied();
+    let mut values: Vec<f32> = (0..SAMPLES * SAMPLES).filter_map(at).filter(|value| value.is_finite()).collect();
+    values.sort_unstable_by(f32::total_cmp);
+    let brightest = values.get(values.len().saturating_sub(1) * 199 / 200).copied();
+    [0.0, brightest.filter(|value| *value > 0.0).unwrap_or(1.0)]
 }
 
 /// The photos of a light, each with its weight, added up.

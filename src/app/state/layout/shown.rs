@@ -222,12 +222,12 @@ mod tests {
             ),
             (json!({"Noise": {"light": "left"}}), Plain::Noise.of(Of::light("left")).into()),
             (
-                json!({"DirectBy": {"method": "nayar", "light": "left"}}),
+                json!({"DirectBy": {"method": "shape", "light": "left"}}),
                 Plain::DirectBy.of(Of::light_by(Method::Shape, "left")).into(),
             ),
             (json!({"Normals": "After"}), Shown::default()),
             (json!({"Albedo": "Before"}), Plain::Albedo.of(SurfaceName::Before).into()),
-            (json!({"NormalNoise": "nayar"}), Plain::NormalNoise.of(SurfaceName::By(Method::Shape)).into()),
+            (json!({"NormalNoise": "shape"}), Plain::NormalNoise.of(SurfaceName::By(Method::Shape)).into()),
             (json!("Surface"), Shown::Surface),
             (
                 json!({"Difference": [{"Depth": "After"}, {"Depth": "Before"}]}),
@@ -242,9 +242,15 @@ mod tests {
     #[test]
     fn saved_layouts_that_know_one_other_method_mean_nayars() {
         let direct = Shown::from(Plain::DirectBy.of(Of::light_by(Method::Shape, "left")));
-        for saved in [json!({"NayarDirect": {"light": "left"}}), json!({"DirectBy": {"light": "left"}})] {
+        for saved in [
+            json!({"NayarDirect": {"light": "left"}}),
+            json!({"DirectBy": {"light": "left"}}),
+            json!({"DirectBy": {"method": "nayar", "light": "left"}}),
+        ] {
             assert_eq!(from_value::<Shown>(saved).unwrap(), direct);
         }
+        let normals = Shown::Normals(SurfaceName::By(Method::Shape));
+        assert_eq!(from_value::<Shown>(json!({"Normals": "nayar"})).unwrap(), normals);
         assert!(from_value::<Shown>(json!({"Nothing": {"light": "left"}})).is_err());
     }
 }

@@ -72,15 +72,6 @@ impl Rig {
         Ok(even_operator(alpha, beta, &ratio, &sigma).map_err(PipelineError::from)?)
     }
 
-    /// How bright bounce k of a light is on the mean, relative to the photo in the reference colour; k counts from 1.
-    pub fn share_of_bounce(&self, light: &str, k: usize) -> Option<f64> {
-        let (system, index) = (self.system(light).ok()?, self.lights.iter().position(|name| name == light)?);
-        let mean = self.mean.get(index).filter(|mean| mean.len() == system.operator.ncols())?;
-        let row = k.checked_sub(1).filter(|row| *row < system.operator.nrows())?;
-        let of_bounce: f64 = system.operator.row(row).iter().zip(mean).map(|(weight, light)| weight * light).sum();
-        Some(of_bounce / mean.first().filter(|light| **light > 0.0)?)
-    }
-
     fn of_light(&self, light: &str) -> Result<OfLight<'_>, StageError> {
         let missing = || self.missing().unwrap_or_else(|| StageError::NoLight { light: light.to_owned() });
         let index = self.lights.iter().position(|name| name == light).ok_or_else(missing)?;

@@ -73,7 +73,7 @@ impl Plain {
                 impossible: without_shape_or_colours,
             },
             Self::IndirectRatio => Row {
-                title: "Colour ratio of indirect light",
+                title: "Ratio of indirect light",
                 each: Each::Light(|method| method == Method::ColoursAndShape),
                 by_colour: true,
                 place: Place::BeforeBounces,
@@ -167,11 +167,8 @@ fn without_shape_or_colours(set: &CaptureSet) -> Option<&'static str> {
     other.then_some("only the method \"colours and shape\" finds it: choose that in Separate")
 }
 
-const RATIO: Quantity = Quantity {
-    words: "Ratio to the reference colour, lamps divided out",
-    difference: "Difference of the ratio",
-    unit: "",
-};
+const RATIO: Quantity =
+    Quantity { words: "Ratio to the reference colour", difference: "Difference of the ratio", unit: "" };
 const AMOUNT: Quantity =
     Quantity { words: "Share of arriving light sent on", difference: "Difference of the share", unit: "" };
 const ALBEDO: Quantity =
