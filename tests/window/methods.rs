@@ -107,6 +107,31 @@ fn every_method_in_force_gives_what_the_command_line_gives() {
 }
 
 #[test]
+fn every_other_method_is_compared_with_the_one_in_force() {
+    let mut hands = Hands::with_demo();
+    hands.session().edit("Compare them all", |document| {
+        (document.settings.nayar.patches, document.settings.nayar.max_iterations) = (150, 2);
+        document.set.calibration.grey_albedo = Some(0.6);
+        Method::ALL.into_iter().for_each(|method| document.settings.compare(method, true));
+    });
+    for in_force in Method::ALL {
+        hands.choose_method(in_force);
+        hands.rest();
+        let document = hands.session().document();
+        let results = &hands.session().results;
+        let others = Method::ALL.into_iter().filter(|method| *method != in_force).map(SurfaceName::By);
+        let expected: Vec<_> = [SurfaceName::After].into_iter().chain(others).collect();
+        assert_eq!(results.surfaces(&document), expected);
+        // A method finds the same whether it is in force or compared.
+        let normals = results.shape(SurfaceName::After).unwrap().normals.clone();
+        let elsewhere = Method::ALL.into_iter().find(|method| *method != in_force).unwrap();
+        hands.choose_method(elsewhere);
+        hands.rest();
+        assert!(hands.session().results.shape(SurfaceName::By(in_force)).unwrap().normals == normals, "{in_force}");
+    }
+}
+
+#[test]
 fn the_paint_is_chosen_saved_and_told() {
     let mut hands = at(Hands::with_demo(), PanelName::Shape);
     assert!(hands.sees("One paint: albedo"));

@@ -54,32 +54,27 @@ fn purpose(method: Method) -> &'static str {
     }
 }
 
-/// How far the method is, why it failed, and what to know of what it found.
+/// How far the method is, and what to know of what it found. Why it failed is told in the list of steps.
 pub fn outcome(ui: &mut Ui, document: &Document, session: &Session) {
     let title = document.method().title();
     let state = session.results.state(Step::Separate, document);
-    let fraction = match state {
-        StageState::Failed { line } | StageState::Blocked { line } => {
-            ui.colored_label(ui.visuals().error_fg_color, sentence(&line));
-            return;
-        }
-        StageState::Stale => Some(0.0),
-        StageState::Running { fraction } => Some(fraction),
-        StageState::Ready => None,
-    };
     let size = vec2(ui.available_width(), LINE_HEIGHT);
-    match fraction {
-        Some(fraction) => {
-            let words = format!("Separating by {title}");
-            let bar = ui.add_sized(size, ProgressBar::new(fraction).text(&words));
-            bar.widget_info(|| WidgetInfo::labeled(Role::ProgressIndicator, true, &words));
+    let line = |ui: &mut Ui, words: String| ui.allocate_ui(size, |ui| ui.label(RichText::new(words).weak()));
+    let running = |ui: &mut Ui, fraction: f32| {
+        let words = format!("Separating by {title}");
+        let bar = ui.add_sized(size, ProgressBar::new(fraction).text(&words));
+        bar.widget_info(|| WidgetInfo::labeled(Role::ProgressIndicator, true, &words));
+    };
+    match state {
+        StageState::Stale => running(ui, 0.0),
+        StageState::Running { fraction } => running(ui, fraction),
+        StageState::Failed { .. } | StageState::Blocked { .. } => {
+            line(ui, format!("Not separated by {title}."));
         }
-        None => {
-            ui.allocate_ui(size, |ui| ui.label(RichText::new(format!("Separated by {title}.")).weak()));
-            if let Some(light) = session.results.method_light() {
-                for warning in &light.warnings {
-                    ui.colored_label(ui.visuals().warn_fg_color, sentence(warning));
-                }
+        StageState::Ready => {
+            line(ui, format!("Separated by {title}."));
+            for warning in session.results.method_light().iter().flat_map(|light| &light.warnings) {
+                ui.colored_label(ui.visuals().warn_fg_color, sentence(warning));
             }
         }
     }
