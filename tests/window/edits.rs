@@ -36,7 +36,7 @@ fn the_edits_of_one_drag_are_undone_together_and_an_edit_that_changes_nothing_le
 
 #[test]
 fn an_edit_of_a_direction_leaves_the_bounces_as_they_are() {
-    let mut hands = Hands::with_demo();
+    let mut hands = Hands::with_demo_by_colours();
     hands.rest();
     let (loaded, separated) = (hands.session().results.loaded().unwrap(), hands.session().results.separated().unwrap());
     let shapes = hands.session().results.shapes().unwrap();

@@ -14,6 +14,7 @@ use firstbounce::app::state::session::{Open, Session};
 use firstbounce::app::views::canvas::View;
 use firstbounce::app::window::Window;
 use firstbounce::app::window::commands::CommandId;
+use firstbounce_capture::pipeline::Method;
 use tempfile::TempDir;
 
 /// Longer than any machine needs for the demo.
@@ -69,6 +70,19 @@ impl Hands {
         let set = hands.demo();
         hands.open(Open::Set(set));
         hands
+    }
+
+    /// The same, separated by the paper's method, which tells bounces apart.
+    pub fn with_demo_by_colours() -> Self {
+        let mut hands = Self::with_demo();
+        hands.choose_method(Method::Colours);
+        hands
+    }
+
+    /// As the Separate step does.
+    pub fn choose_method(&mut self, method: Method) {
+        self.session().edit("Choose a method", |document| document.set.separation.method = Some(method));
+        self.steps();
     }
 
     /// A copy of the demo set, for this test alone.

@@ -14,7 +14,7 @@ fn measured(hands: &mut Hands) {
 
 #[test]
 fn a_typed_pixel_shows_the_values_of_every_plane() {
-    let mut hands = Hands::with_demo();
+    let mut hands = Hands::with_demo_by_colours();
     hands.rest();
     hands.type_number("Column", "240");
     hands.type_number("Row", "200");
@@ -31,7 +31,7 @@ fn a_typed_pixel_shows_the_values_of_every_plane() {
 
 #[test]
 fn statistics_of_the_whole_object_are_those_of_the_report() {
-    let mut hands = Hands::with_demo();
+    let mut hands = Hands::with_demo_by_colours();
     hands.rest();
     hands.session().views.show(Shown::Bounce { light: "left".into(), k: 1 });
     hands.steps();

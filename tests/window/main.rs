@@ -14,6 +14,7 @@ mod hostile;
 mod huge_png;
 mod inspector;
 mod keyboard;
+mod methods;
 mod nayar;
 mod numbers;
 mod results;

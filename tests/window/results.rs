@@ -10,7 +10,7 @@ use crate::harness::Hands;
 
 #[test]
 fn bounces_drawn_from_the_photos_are_those_that_are_saved() {
-    let mut hands = Hands::with_demo();
+    let mut hands = Hands::with_demo_by_colours();
     hands.rest();
     let document = hands.session().document();
     let results = &hands.session().results;

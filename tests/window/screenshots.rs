@@ -6,7 +6,7 @@ use std::path::Path;
 
 use firstbounce::app::state::layout::Shown;
 use firstbounce::app::state::panel::PanelName;
-use firstbounce::app::state::results::{ShotName, SurfaceName};
+use firstbounce::app::state::results::{Of, Plain, ShotName, SurfaceName};
 use firstbounce::app::state::session::Open;
 use firstbounce::app::state::surfaces::LayerName;
 use firstbounce_capture::set::Subject;
@@ -28,8 +28,8 @@ fn make_screenshots() {
     step(&mut hands, PanelName::Calibrate, photo(Subject::GreySphere));
     save(&mut hands, "calibrate");
 
-    step(&mut hands, PanelName::Separate, Shown::Bounce { light: "left".into(), k: 1 });
-    // A pixel near the crease, where there is a bounce to take out.
+    step(&mut hands, PanelName::Separate, Plain::Direct.of(Of::light("left")).into());
+    // A pixel near the crease, where there is indirect light to take out.
     hands.type_number("Column", "215");
     hands.type_number("Row", "150");
     save(&mut hands, "separate");

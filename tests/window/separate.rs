@@ -7,7 +7,7 @@ use firstbounce::app::state::panel::PanelName;
 use crate::harness::Hands;
 
 fn at_separate() -> Hands {
-    let mut hands = Hands::with_demo();
+    let mut hands = Hands::with_demo_by_colours();
     hands.rest();
     hands.press(Modifiers::COMMAND, Key::Num3);
     assert_eq!(hands.session().panel, PanelName::Separate);

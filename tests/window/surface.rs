@@ -66,7 +66,7 @@ fn after(hands: &mut Hands) -> std::sync::Arc<Mesh> {
 #[test]
 fn keys_turn_and_stand_the_eye_and_enter_picks_the_middle() {
     let mut hands = with_surface();
-    assert!(value(&hands).starts_with("bounce 1, Studio, scale bar "), "{}", value(&hands));
+    assert!(value(&hands).starts_with("direct light, Studio, scale bar "), "{}", value(&hands));
     hands.harness.get_by_role_and_label(Role::Image, VIEW).focus();
     hands.steps();
     hands.press(Modifiers::NONE, Key::ArrowRight);
@@ -87,7 +87,7 @@ fn keys_turn_and_stand_the_eye_and_enter_picks_the_middle() {
     hands.harness.get_by_role_and_label(Role::Image, VIEW).focus();
     hands.steps();
     hands.press(Modifiers::NONE, Key::Enter);
-    assert!(hands.sees("Point on bounce 1: x "));
+    assert!(hands.sees("Point on direct light: x "));
     // From the front the middle of the view is the middle of the surface's box.
     let mesh = after(&mut hands);
     let (low, high) = mesh.bounds().unwrap();
@@ -98,7 +98,7 @@ fn keys_turn_and_stand_the_eye_and_enter_picks_the_middle() {
     let near = |p: &&Point3<f32>| (p.xy() - middle.xy()).norm();
     let vertex = mesh.positions.iter().min_by(|a, b| near(a).total_cmp(&near(b))).unwrap();
     assert!((picked.z - f64::from(vertex.z)).abs() < 2.0 * f64::from(near(&vertex)) + 0.5, "{picked} {vertex}");
-    assert!(value(&hands).contains("Point on bounce 1"));
+    assert!(value(&hands).contains("Point on direct light"));
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn two_clicks_are_a_distance_and_a_section_is_plotted() {
 
     hands.harness.get_by_label("Section").click();
     hands.steps();
-    assert!(hands.sees("Profile of Bounce 1, "));
+    assert!(hands.sees("Profile of Direct light, "));
     assert!(hands.sees("Section at"));
     hands.harness.get_by_label("Through two points").click();
     hands.steps();
@@ -142,7 +142,7 @@ fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
             .visible
     );
     hands.press(Modifiers::NONE, Key::Escape);
-    assert!(value(&hands).starts_with("bounce 1 and before, "), "{}", value(&hands));
+    assert!(value(&hands).starts_with("direct light and before, "), "{}", value(&hands));
     hands.click_button("Layers");
     hands.harness.get_by_role_and_label(Role::CheckBox, "Show before").click();
     hands.steps();
@@ -155,7 +155,7 @@ fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     assert!(value(&hands).starts_with("before, "), "{}", value(&hands));
     hands.harness.key_up(Key::B);
     hands.harness.run_steps(2);
-    assert!(value(&hands).starts_with("bounce 1, "));
+    assert!(value(&hands).starts_with("direct light, "));
 
     hands.click_button("Shading: Studio");
     hands.harness.get_by_label("Height").click();

@@ -16,8 +16,7 @@ use crate::app::base::keyed::Keyed;
 use crate::app::state::document::Document;
 use crate::app::state::results::{StageState, SurfaceName, last_stage_of};
 use crate::app::state::session::Session;
-use crate::app::state::surfaces::LayerName;
-use crate::app::widgets::advice::advice;
+use crate::app::widgets::advice::{advice, sentence};
 use crate::app::widgets::part::part;
 use crate::app::widgets::path_field::PathField;
 
@@ -121,7 +120,8 @@ impl Export {
         if offered.len() > 1 {
             ui.label("Surface to write");
             for name in offered {
-                ui.radio_value(&mut self.surface, Some(name), LayerName::Surface(name).title());
+                let title = name.other_method().unwrap_or(document.method()).title();
+                ui.radio_value(&mut self.surface, Some(name), sentence(title));
             }
         }
         self.surface.unwrap_or(chosen)

@@ -4,6 +4,7 @@ mod calibrate;
 mod captures;
 mod export;
 mod inspector;
+mod method_options;
 mod reference;
 mod separate;
 mod shape;
@@ -42,7 +43,7 @@ pub struct Panels {
     pub captures: captures::Captures,
     /// Lamps and paint.
     pub calibrate: calibrate::Calibrate,
-    /// The order m, and what it costs.
+    /// How direct light is told from indirect light, and what it costs.
     pub separate: separate::Separate,
     /// Normals and depth.
     pub shape: shape::ShapePanel,

@@ -216,7 +216,8 @@ fn histogram(ui: &mut Ui, bars: &Bars, bias_mm: f64) {
     let plot = plot.allow_boxed_zoom(false).x_axis_label("signed distance, mm").y_axis_label("vertices");
     let shown = plot.show(ui, |plot| plot.bar_chart(chart(bars, "vertices")));
     let [low, high] = bars.range();
-    let words = format!("Histogram of the distances of bounce 1 from {low:.3} to {high:.3} mm, mean {bias_mm:.4} mm");
+    let words =
+        format!("Histogram of the distances of the surface after from {low:.3} to {high:.3} mm, mean {bias_mm:.4} mm");
     shown.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &words));
 }
 

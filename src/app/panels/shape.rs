@@ -1,16 +1,18 @@
 //! The Shape panel: lights, shadow thresholds, and the surface before and after.
 
 mod methods;
+mod paint;
 
 use std::sync::Arc;
 
 use eframe::egui::{Button, DragValue, Grid, RichText, Ui};
-use firstbounce_capture::pipeline::{Evaluation, Method, SolveOptions, evaluate};
+use firstbounce_capture::pipeline::{Evaluation, Method, PipelineError, evaluate};
 use firstbounce_capture::set::{Number, ShapeSettings};
 use firstbounce_core::stereo::shape::Shape;
 
 use super::Panel;
 use super::reference::ReferencePanel;
+use crate::app::base::jobs::Job;
 use crate::app::base::keyed::Keyed;
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
@@ -26,7 +28,7 @@ const MIN_LIGHTS: usize = 3;
 #[derive(Default)]
 pub struct ShapePanel {
     /// What the truth says of a document.
-    evaluated: Keyed<Arc<Document>, Evaluation>,
+    evaluated: Keyed<Arc<Document>, Evaluated>,
     reference: ReferencePanel,
 }
 
@@ -46,11 +48,12 @@ impl Panel for ShapePanel {
         }
         if let Some(shapes) = session.results.shapes() {
             in_3d(ui, session);
+            paint::found(ui, &document, &shapes.after);
             before_and_after(ui, session, &shapes);
         }
         ui.separator();
         let evaluated = self.evaluated.of(&document).and_then(|outcome| outcome.as_ref().ok());
-        let errors = evaluated.and_then(|evaluation| evaluation.nayar.as_ref());
+        let errors = evaluated.and_then(|evaluated| evaluated.compared.iter().find_map(|(_, of)| of.nayar.as_ref()));
         methods::ui(ui, session, &document, errors);
         self.truth(ui, session, &document);
         self.reference.ui(ui, session, &document);
@@ -108,24 +111,22 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
             "With five or more lights, one that misses the fit by more than this share of the brightest is left out",
             &mut settings.misfit_share,
         );
-        let mut whole = |ui: &mut Ui, label: &str, hover: &str, unit: &str, value: &mut usize, range| {
-            let name = ui.label(label).on_hover_text(hover);
-            let field = DragValue::new(value).range(range).speed(0.05).suffix(unit);
-            if ui.add(field).labelled_by(name.id).changed() {
-                changed = Some(format!("Change {}", label.to_lowercase()));
-            }
-            ui.end_row();
-        };
         let near = "How often the directions to near lamps are computed again from the depth; distant lamps need one iteration";
-        whole(ui, "Near-light iterations", near, "", &mut settings.rounds, Number::Rounds.whole_range());
-        let window = "Half width of the window over which the indirect light is denoised; 0 for none";
-        let widths = Number::IndirectWindowPx.whole_range();
-        whole(ui, "Denoising window", window, " px", &mut settings.indirect_window_px, widths);
+        let name = ui.label("Near-light iterations").on_hover_text(near);
+        let field = DragValue::new(&mut settings.rounds).range(Number::Rounds.whole_range()).speed(0.05);
+        if ui.add(field).labelled_by(name.id).changed() {
+            changed = Some("Change near-light iterations".into());
+        }
+        ui.end_row();
     });
+    if let Some(name) = paint::choice(ui, document, &mut settings) {
+        changed = Some(name);
+    }
     if let Some(name) = changed {
         session.edit(&name, |document| document.set.shape = settings);
     }
-    let default = ShapeSettings { leave_out: document.set.shape.leave_out.clone(), ..ShapeSettings::default() };
+    let ShapeSettings { leave_out, indirect_window_px, .. } = document.set.shape.clone();
+    let default = ShapeSettings { leave_out, indirect_window_px, ..ShapeSettings::default() };
     let is_default = document.set.shape == default;
     if ui.add_enabled(!is_default, Button::new("Reset to defaults")).clicked() {
         session.edit("Reset shape options", |document| document.set.shape = default);
@@ -142,7 +143,7 @@ fn in_3d(ui: &mut Ui, session: &mut Session) {
 
 fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     let document = session.document();
-    let others = document.settings.compared.iter().map(|&method| SurfaceName::By(method));
+    let others = document.compared().map(SurfaceName::By);
     let is_ready = |name: &SurfaceName| session.results.state(stage_of(*name), &document) == StageState::Ready;
     let mut columns = vec![("before".to_owned(), shapes.before.clone()), ("after".to_owned(), shapes.after.clone())];
     columns.extend(others.filter(is_ready).filter_map(|name| Some((name.words(), session.results.shape(name)?))));
@@ -206,8 +207,8 @@ impl ShapePanel {
         self.evaluated.poll();
         let free = self.evaluated.running().is_none();
         if ui.add_enabled(free, Button::new("Compare with the truth")).clicked() {
-            let (set, options) = (document.set.clone(), options_of(document));
-            let task = session.jobs.start("Compare with the truth", move |job| evaluate(&set, &options, job));
+            let edited = document.clone();
+            let task = session.jobs.start("Compare with the truth", move |job| Evaluated::of(&edited, job));
             self.evaluated.start(document.clone(), task);
         }
         match self.evaluated.last() {
@@ -225,12 +226,22 @@ impl ShapePanel {
     }
 }
 
-/// As the command line would be asked: with the other method, where one is compared.
-fn options_of(document: &Document) -> SolveOptions {
-    document.options(document.settings.compared.first().copied().unwrap_or_default())
+/// What the truth says of the method in force and of those that are compared.
+struct Evaluated {
+    in_force: Evaluation,
+    compared: Vec<(Method, Evaluation)>,
 }
 
-fn evaluation_ui(ui: &mut Ui, evaluation: &Evaluation) {
+impl Evaluated {
+    fn of(document: &Document, job: &Job) -> Result<Self, PipelineError> {
+        let by = |method: Method| evaluate(&document.set, &document.options(method), job);
+        let in_force = by(document.method())?;
+        let compared = document.compared().map(|method| Ok((method, by(method)?)));
+        Ok(Self { in_force, compared: compared.collect::<Result<_, PipelineError>>()? })
+    }
+}
+
+fn evaluation_ui(ui: &mut Ui, Evaluated { in_force: evaluation, compared }: &Evaluated) {
     let errors = &evaluation.normal_error_deg;
     Grid::new("truth").num_columns(2).striped(true).show(ui, |ui| {
         let mut row = |what: &str, value: String| {
@@ -240,9 +251,9 @@ fn evaluation_ui(ui: &mut Ui, evaluation: &Evaluation) {
         };
         row("Normal error before, mean", format!("{:.2} degrees", errors.raw.mean));
         row("Normal error after, mean", format!("{:.2} degrees", errors.separated.mean));
-        for (name, errors) in &evaluation.methods {
-            let title = Method::from_name(name).map_or(*name, Method::title);
-            row(&format!("Normal error by {title}, mean"), format!("{:.2} degrees", errors.result.mean));
+        for (method, of) in compared {
+            let mean = of.normal_error_deg.separated.mean;
+            row(&format!("Normal error by {}, mean", method.title()), format!("{mean:.2} degrees"));
         }
         if let Some(direct) = errors.true_direct {
             row("From true direct light, mean", format!("{:.2} degrees", direct.mean));

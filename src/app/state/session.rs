@@ -313,7 +313,7 @@ impl Session {
     pub fn update_surfaces(&mut self) {
         let (document, results, reference) = (self.document(), &self.results, &self.reference);
         let mesh = |name: LayerName| match name {
-            LayerName::Surface(name) => results.mesh(name, &document.settings),
+            LayerName::Surface(name) => results.mesh(name, &document),
             LayerName::Reference => reference.mesh(),
         };
         self.surfaces.update(mesh, &mut self.jobs);

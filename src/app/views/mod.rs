@@ -6,6 +6,7 @@ mod overlay;
 mod pane;
 mod picker;
 mod picture;
+mod preview;
 mod statistics;
 pub mod surface;
 mod tiles;

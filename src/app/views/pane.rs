@@ -5,7 +5,7 @@ use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, Role, Ui, WidgetIn
 use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
-use super::picture::{Picture, outdated, picture};
+use super::picture::{Picture, outdated, picture, previewed};
 use super::{Canvases, Over, Overlay, picker};
 use crate::app::state::layout::{Arrange, Hover, Look, Shown, View};
 use crate::app::state::session::Session;
@@ -241,6 +241,13 @@ fn canvas(
     match &other {
         Some(_) => compared(ui, view, &response),
         None => tints(ui, view, &display, response.transform.rect),
+    }
+    if let Some(words) = previewed(&view.shown, &document, &session.results) {
+        let canvas = response.transform.rect;
+        plate_in(&ui.painter_at(canvas), canvas, Align2::LEFT_TOP, words);
+        if other.is_none() {
+            ui.ctx().accesskit_node_builder(response.response.id, |node| node.set_description(words));
+        }
     }
     overlay.overlay(ui, &Over { shown: &view.shown, picture: shown, canvas: &response }, session);
 }

@@ -4,6 +4,7 @@ use firstbounce_core::image::photo::DARK;
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 use thiserror::Error;
 
+use super::preview;
 use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{
@@ -13,6 +14,9 @@ use crate::gpu::{ColourMap, Display, Layer, Source, SourceError, Tint};
 
 /// Bounce 2 is a few percent of bounce 1; the paper shows it amplified.
 const FIGURE_ONE_GAIN: f32 = 3.0;
+
+/// Pixels along either side of a picture that are looked at for the range of its values.
+const SAMPLES: usize = 32;
 
 /// Numbers, and how they are best shown.
 #[derive(Clone, Debug)]
@@ -82,8 +86,9 @@ pub enum PictureError {
 
 /// The picture, or why there is none yet.
 pub fn picture(shown: &Shown, document: &Document, results: &Results) -> Result<Picture, PictureError> {
-    if shown.by_method().is_some_and(|method| !document.settings.is_compared(method)) {
-        return Err(not_yet(shown, document, results));
+    if let Some(method) = shown.by_method().filter(|method| !document.is_compared(*method)) {
+        let in_force = method == document.method();
+        return Err(if in_force { StageError::InForce { method } } else { StageError::NotAsked { method } }.into());
     }
     let (source, display) = drawn(shown, document, results)?;
     Ok(Picture { source, display, quantity: shown.quantity(&document.set).words })
@@ -108,9 +113,9 @@ fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Sourc
         Shown::Bounce { light, k } => {
             let source = Source::value(bounce(document, results, light, *k)?)?;
             let range = pictures.plane(&PlaneName::Bounce(light.clone(), *k)).map(|stored| stored.range);
-            let range = range.or_else(|| reference(document, results, light).map(|photo| photo.range));
+            let range = range.unwrap_or_else(|| sampled_range(&source));
             let source = with_marks(masked(source), results, &MarksName::Separation(light.clone()));
-            Ok((source, grey(range.unwrap_or([0.0, 1.0]))))
+            Ok((source, grey(range)))
         }
         Shown::Sum { light } => {
             let source = Source::value(sum(document, results, light)?)?;
@@ -147,6 +152,12 @@ fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Sourc
             let largest = picture(a, document, results)?.display.range[1].abs() / 4.0;
             Ok((masked(Source::difference(first, second)?), Display::signed(largest)))
         }
+        Shown::Plain(name) if preview::words(name, document, results).is_some() => {
+            let source = Source::value(preview::layer(name, document, results)?)?;
+            let own = pictures.plane(&name.clone().into()).map(|stored| stored.range);
+            let range = own.unwrap_or_else(|| sampled_range(&source));
+            Ok((masked(source), grey(range)))
+        }
         Shown::Plain(name) => {
             let row = name.plain.row();
             let own = stored(name.clone().into())?;
@@ -173,6 +184,9 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
         Shown::Photo(shot) => stored(PlaneName::Photo(shot.clone())),
         Shown::Bounce { light, k } => bounce(document, results, light, *k),
         Shown::Sum { light } => sum(document, results, light),
+        Shown::Plain(name) if preview::words(name, document, results).is_some() => {
+            preview::layer(name, document, results)
+        }
         Shown::Plain(name) => stored(name.clone().into()),
         Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Surface | Shown::Difference(..) => {
             Err(PictureError::SeveralValues { title: shown.title() })
@@ -214,7 +228,20 @@ fn sum(document: &Document, results: &Results, light: &str) -> Result<Layer, Pic
     combination(document, results, light, |c| system.operator.column(c).sum())
 }
 
-fn combination(
+/// From zero to the brightest values but for the outermost half percent, of a few pixels all over: what is drawn from the photos
+/// was counted by no stage.
+fn sampled_range(source: &Source) -> [f32; 2] {
+    let (width, height) = source.size();
+    let place = |k: usize, pixels: usize| (2 * k + 1) * pixels / (2 * SAMPLES);
+    let at = |k: usize| source.values_at(place(k % SAMPLES, width), place(k / SAMPLES, height)).first().copied();
+    let mut values: Vec<f32> = (0..SAMPLES * SAMPLES).filter_map(at).filter(|value| value.is_finite()).collect();
+    values.sort_unstable_by(f32::total_cmp);
+    let brightest = values.get(values.len().saturating_sub(1) * 199 / 200).copied();
+    [0.0, brightest.filter(|value| *value > 0.0).unwrap_or(1.0)]
+}
+
+/// The photos of a light, each with its weight, added up.
+pub(super) fn combination(
     document: &Document,
     results: &Results,
     light: &str,
@@ -267,6 +294,15 @@ fn with_marks(source: Source, results: &Results, name: &MarksName) -> Source {
     match results.pictures().marks(name) {
         Some(marks) => source.clone().with_marks(marks.clone()).unwrap_or(source),
         None => source,
+    }
+}
+
+/// What is shown in the place of a picture whose stage is at work.
+pub fn previewed(shown: &Shown, document: &Document, results: &Results) -> Option<&'static str> {
+    match shown {
+        Shown::Plain(name) => preview::words(name, document, results),
+        Shown::Difference(a, b) => previewed(a, document, results).or_else(|| previewed(b, document, results)),
+        _ => None,
     }
 }
 

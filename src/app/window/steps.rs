@@ -1,6 +1,7 @@
 //! The five steps and the state of each; any of them can be opened at any time.
 
 use eframe::egui::{Color32, Panel, RichText, Ui};
+use firstbounce_capture::pipeline::Method;
 
 use crate::app::state::panel::{PanelName, StepState};
 use crate::app::state::session::Session;
@@ -39,7 +40,10 @@ pub fn next(ui: &mut Ui, session: &mut Session) {
         PanelName::Calibrate => {
             ("Circles on the balls' edges, highlights on the lamps, every value fine.", PanelName::Separate)
         }
-        PanelName::Separate => ("The highest order m whose verdict is fine.", PanelName::Shape),
+        PanelName::Separate if session.document().method() == Method::Colours => {
+            ("The highest order m whose verdict is fine.", PanelName::Shape)
+        }
+        PanelName::Separate => ("Little light left in the creases of the direct light.", PanelName::Shape),
         PanelName::Shape => ("Compare the surface before and after.", PanelName::Export),
         PanelName::Export => return,
     };

@@ -14,7 +14,7 @@ use thiserror::Error;
 use super::Preference;
 use super::calibrate::needed_subjects;
 use crate::image_file::picture_size;
-use crate::set::{CaptureSet, Subject};
+use crate::set::{CaptureSet, Method, Subject};
 
 /// The program itself, with the window's fonts and shaders.
 const PROGRAM_BYTES: u64 = 60 << 20;
@@ -143,7 +143,9 @@ pub fn estimate_memory(set: &CaptureSet, work: Work) -> MemoryEstimate {
     };
     if work == Work::Window {
         let photo_pixels = balls.photo_pixels() + object.photo_pixels() + corrections.photo_pixels();
-        let shown_bytes = SHOWN_BYTES * photo_pixels + (20 + 8 * lights) * object.pixels();
+        // Indirect light, its colour ratios and its amount, which only one method finds.
+        let maps = if set.method() == Method::ColoursAndShape { set.colours.len() as u64 + 1 } else { 0 };
+        let shown_bytes = SHOWN_BYTES * photo_pixels + (20 + 8 * lights + 4 * lights * maps) * object.pixels();
         estimate.kept_bytes += WINDOW_BYTES + shown_bytes + std::mem::take(&mut estimate.calibration_bytes);
     }
     estimate

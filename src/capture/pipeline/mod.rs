@@ -34,7 +34,9 @@ pub use methods::{
 };
 pub use photos::{ObjectPhotos, PhotoStore, ShotLight, SubjectPhotos, file_warnings, load_object, load_subject};
 pub(crate) use reconstruct::relative_albedo;
-pub use reconstruct::{Direct, Separated, SolveOptions, Solved, raw_lights, reconstruct, recover, solve, triangulate};
+pub use reconstruct::{
+    Direct, Lit, Separated, SolveOptions, Solved, find_light, raw_lights, reconstruct, recover, solve, triangulate,
+};
 pub use scene::{Scene, camera_of};
 pub use surfaces::{Surface, SurfaceName};
 pub use survey::{Exposed, region_of, survey, thumbnail};

@@ -177,37 +177,26 @@ pub fn reconstruct(
     mut stages: Vec<StageCost>,
     watch: &dyn PipelineWatch,
 ) -> Result<Solved, PipelineError> {
-    let (method, needs) = (options.method, options.method.needs());
-    let set =
-        if needs.all_colours { scene.set.clone() } else { Cow::Owned(scene.set.without_lights(&options.left_out)) };
-    let scene = method.scene_of(scene, options);
-    let camera = scene.camera();
-    let white = StageCost::measure(&mut stages, Stage::Calibrate, || white_light_for(&scene, options, watch))?;
-    let raw = StageCost::measure(&mut stages, Stage::Separate, || raw_lights(&scene.object, watch))?;
-    let recover = |lights: &[Direct], shape: &ShapeOptions, (half, of), stages: &mut Vec<StageCost>| {
-        let part = Part::of(watch, Stage::Shape, half, of);
-        let recover = || recover(&scene, lights, &options.left_out, shape, &part);
-        StageCost::measure(stages, Stage::Shape, recover).map(Arc::new)
-    };
-    let surface = |shape: Arc<Shape>, stages: &mut Vec<StageCost>| {
-        let mesh = StageCost::measure(stages, Stage::Mesh, || triangulate(&shape, &camera, &options.mesh))?;
-        Ok::<_, PipelineError>(Surface { shape, mesh: Arc::new(mesh) })
-    };
-
-    let mut shape_before = before.as_ref().map(|before| before.shape.clone());
-    if needs.surface_before && shape_before.is_none() {
-        shape_before = Some(recover(&raw.direct(), &options.shape, (0, 1), &mut stages)?);
-    }
-    let input =
-        Input { scene: &scene, raw: &raw, before: shape_before.as_deref(), white_light: white.as_ref(), options };
-    let found = StageCost::measure(&mut stages, method.stage(), || method.direct_light(&input, watch, &mut |_| {}))?;
+    let shape_before = before.as_ref().map(|before| before.shape.clone());
+    let lit = find_light(scene, shape_before, options, &mut stages, watch)?;
+    let Lit { set, scene, raw, before: shape_before, found } = lit;
     let Found { separated, indirect, direct, shape, report } = found;
     let trust_options = options.trust(options.calibrated_bounces_of(&scene.set));
     let trust = judge(&scene.set, &ObjectLevels::of(&scene.set, &scene.object), &scene.calibrated, &trust_options)?;
 
+    let camera = scene.camera();
+    let surface = |shape: Arc<Shape>, stages: &mut Vec<StageCost>| {
+        let mesh = StageCost::measure(stages, Stage::Mesh, || triangulate(&shape, &camera, &options.mesh))?;
+        Ok::<_, PipelineError>(Surface { shape, mesh: Arc::new(mesh) })
+    };
+    let recover = |lights: &[Direct], shape: &ShapeOptions, half, stages: &mut Vec<StageCost>| {
+        let part = Part::of(watch, Stage::Shape, half, 2);
+        let recover = || recover(&scene, lights, &options.left_out, shape, &part);
+        StageCost::measure(stages, Stage::Shape, recover).map(Arc::new)
+    };
     let shape = match shape {
         Some(shape) => Ok(Arc::new(shape)),
-        None => recover(&direct, &options.shape_after(), (0, 2), &mut stages),
+        None => recover(&direct, &options.shape_after(), 0, &mut stages),
     };
     let after = match shape.and_then(|shape| surface(shape, &mut stages)) {
         Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
@@ -218,7 +207,7 @@ pub fn reconstruct(
         (Ok(_), Some(before), _) => Some(before),
         (Ok(_), None, Some(shape)) => Some(surface(shape, &mut stages)?),
         (Ok(_), None, None) => {
-            let shape = recover(&raw.direct(), &options.shape, (1, 2), &mut stages)?;
+            let shape = recover(&raw.direct(), &options.shape, 1, &mut stages)?;
             Some(surface(shape, &mut stages)?)
         }
     };
@@ -236,6 +225,46 @@ pub fn reconstruct(
         report,
         stages,
     })
+}
+
+/// The direct light of a set by one method, and what it was found from.
+#[derive(Debug)]
+pub struct Lit<'a> {
+    /// The set, without the lights that the method did without.
+    pub set: Cow<'a, CaptureSet>,
+    /// Photos and rig as the method looks at them.
+    pub scene: Scene<'a>,
+    /// By light, the photos before separation.
+    pub raw: Separated,
+    /// The surface that they show, where it was there already or the method needs it.
+    pub before: Option<Arc<Shape>>,
+    /// What the method found.
+    pub found: Found,
+}
+
+/// From photos and rig to direct light by one method. `before` is the shape that the photos show before separation, where it is
+/// there already; `stages` takes what was spent.
+pub fn find_light<'a>(
+    scene: Scene<'a>,
+    mut before: Option<Arc<Shape>>,
+    options: &SolveOptions,
+    stages: &mut Vec<StageCost>,
+    watch: &dyn PipelineWatch,
+) -> Result<Lit<'a>, PipelineError> {
+    let (method, needs) = (options.method, options.method.needs());
+    let set =
+        if needs.all_colours { scene.set.clone() } else { Cow::Owned(scene.set.without_lights(&options.left_out)) };
+    let scene = method.scene_of(scene, options);
+    let white = StageCost::measure(stages, Stage::Calibrate, || white_light_for(&scene, options, watch))?;
+    let raw = StageCost::measure(stages, Stage::Separate, || raw_lights(&scene.object, watch))?;
+    if needs.surface_before && before.is_none() {
+        let part = Part::of(watch, Stage::Shape, 0, 1);
+        let recover = || recover(&scene, &raw.direct(), &options.left_out, &options.shape, &part);
+        before = Some(Arc::new(StageCost::measure(stages, Stage::Shape, recover)?));
+    }
+    let input = Input { scene: &scene, raw: &raw, before: before.as_deref(), white_light: white.as_ref(), options };
+    let found = StageCost::measure(stages, method.stage(), || method.direct_light(&input, watch, &mut |_| {}))?;
+    Ok(Lit { set, scene, raw, before, found })
 }
 
 /// The light of a white facet, for methods that need it.

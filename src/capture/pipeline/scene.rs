@@ -42,10 +42,10 @@ impl<'a> Scene<'a> {
         object.photos.iter_mut().for_each(|row| row.truncate(1));
         object.noise.iter_mut().for_each(|row| row.truncate(1));
         let mut calibrated = self.calibrated.into_owned();
-        calibrated.alpha.iter_mut().flatten().for_each(|alpha| alpha.truncate(1));
-        if let Some(beta) = &mut calibrated.beta {
-            beta.truncate(1);
-        }
+        // Of the reference colour both are known, also where the balls or the file do not tell the others'.
+        let alone = || Some(vec![Known::by_definition()]);
+        calibrated.alpha.iter_mut().for_each(|alpha| *alpha = alone());
+        calibrated.beta = alone();
         let set = Cow::Owned(self.set.in_one_colour());
         Self { set, object: Cow::Owned(object), calibrated: Cow::Owned(calibrated) }
     }

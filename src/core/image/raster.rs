@@ -71,6 +71,16 @@ impl<T: Copy> Raster<T> {
         Arc::unwrap_or_clone(self.data)
     }
 
+    /// A raster of this size in which every value fills a square of `step` x `step` pixels: from the cells of a coarse grid to
+    /// pixels. The last row and column of cells reach as far as there are pixels.
+    pub fn repeated(&self, step: usize, (width, height): (usize, usize)) -> Self {
+        if self.data.is_empty() {
+            return Self { width: 0, height: 0, data: Arc::default() };
+        }
+        let cell = |pixel: usize, cells: usize| (pixel / step.max(1)).min(cells - 1);
+        Raster::from_fn(width, height, |x, y| self.at(cell(x, self.width), cell(y, self.height)))
+    }
+
     /// The value at column `x`, row `y`. Panics outside the raster, like a slice.
     pub fn at(&self, x: usize, y: usize) -> T {
         debug_assert!(x < self.width);
@@ -100,6 +110,16 @@ mod tests {
     #[test]
     fn a_raster_refuses_data_of_another_length() {
         assert!(Raster::from_vec(3, 2, vec![0.0; 5]).is_none());
+    }
+
+    #[test]
+    fn cells_are_repeated_up_to_the_size_of_the_pixels() {
+        let cells = Raster::from_vec(2, 2, vec![1, 2, 3, 4]).unwrap();
+        let pixels = cells.repeated(2, (5, 3));
+        assert_eq!(pixels.size(), (5, 3));
+        assert_eq!(pixels.data(), [1, 1, 2, 2, 2, 1, 1, 2, 2, 2, 3, 3, 4, 4, 4]);
+        assert_eq!(cells.repeated(1, (2, 2)), cells);
+        assert_eq!(Raster::<u8>::default().repeated(2, (4, 4)).size(), (0, 0));
     }
 
     #[test]

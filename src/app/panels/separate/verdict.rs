@@ -2,13 +2,16 @@
 
 use eframe::egui::{Color32, Frame, RichText, Stroke, Ui};
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::pipeline::Method;
 use firstbounce_core::trust::{Advice, Level, Names, Trust};
 
 use super::{choose_order, names};
+use crate::app::state::document::Document;
 use crate::app::state::session::Session;
 use crate::app::widgets::theme;
 
-pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet, session: &mut Session) {
+pub fn ui(ui: &mut Ui, trust: &Trust, document: &Document, session: &mut Session) {
+    let set = &document.set;
     let (colours, lights) = names(set);
     let names = Names { colours: &colours, lights: &lights };
     let colour = colour_of(ui, trust.level);
@@ -28,10 +31,13 @@ pub fn ui(ui: &mut Ui, trust: &Trust, set: &CaptureSet, session: &mut Session) {
             });
         }
     });
-    if !trust.advice.is_empty() {
+    // The order m is no choice of the other methods.
+    let is_open = |advice: &&Advice| document.method() == Method::Colours || !matches!(advice, Advice::Order { .. });
+    let better: Vec<_> = trust.advice.iter().filter(is_open).collect();
+    if !better.is_empty() {
         ui.add_space(4.0);
         ui.label(RichText::new("Better").strong());
-        for advice in &trust.advice {
+        for advice in better {
             line(ui, advice, &names, set, session);
         }
     }
@@ -68,6 +74,7 @@ fn leave_out(set: &mut CaptureSet, colour: usize) {
     });
     let colours = set.colours.len();
     set.separation.bounces = set.separation.bounces.map(|bounces| bounces.min(colours));
+    set.separation.method = set.separation.method.filter(|method| method.impossible_for(set).is_none());
 }
 
 fn title(level: Level) -> &'static str {
@@ -110,6 +117,7 @@ mod tests {
         let mut set = firstbounce_capture::CaptureSet::open(std::path::Path::new("assets/demo")).unwrap();
         set.calibration.beta = Some(vec![1.0, 0.5]);
         set.separation.bounces = Some(2);
+        set.separation.method = Some(Method::ColoursAndShape);
         leave_out(&mut set, 1);
         assert_eq!((set.colours.len(), set.bounces()), (1, 1));
         assert!(set.shots.iter().all(|shot| shot.colour.as_deref() != Some("green")));

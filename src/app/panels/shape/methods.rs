@@ -1,38 +1,42 @@
-//! Other methods beside the paper's: whether to run them, how they converge, how they compare.
+//! Other methods beside the one in force: whether to run them, how they converge, how they compare.
 
-use eframe::egui::{Color32, DragValue, Grid, RichText, Role, Ui, WidgetInfo};
+use eframe::egui::{Checkbox, Color32, RichText, Role, Ui, WidgetInfo};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use firstbounce_capture::pipeline::{Method, NayarErrors};
-use firstbounce_capture::set::Number;
 use firstbounce_core::methods::by_shape::ByShapeReport;
 
-use crate::app::state::document::{Document, NayarSettings};
+use crate::app::panels::method_options;
+use crate::app::state::document::Document;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{ByMethod, Of, Plain, StageState, Step, SurfaceName};
 use crate::app::state::session::Session;
-use crate::app::widgets::advice::advice;
+use crate::app::widgets::advice::{advice, sentence};
 
 const HEIGHT: f32 = 170.0;
 
 /// `errors` are what the truth says of every iteration, where it was asked.
 pub fn ui(ui: &mut Ui, session: &mut Session, document: &Document, errors: Option<&NayarErrors>) {
     ui.label(RichText::new("Another method, to compare").strong());
-    for method in Method::ALL.into_iter() {
+    for method in Method::ALL.into_iter().filter(|method| *method != document.method()) {
         one(ui, session, document, method, errors);
     }
 }
 
 fn one(ui: &mut Ui, session: &mut Session, document: &Document, method: Method, errors: Option<&NayarErrors>) {
-    let (title, mut compare) = (method.title(), document.settings.is_compared(method));
+    let (title, mut compare) = (method.title(), document.is_compared(method));
     let hover = format!("{}. Takes seconds.", method.purpose());
-    if ui.checkbox(&mut compare, format!("Also solve by {title}")).on_hover_text(hover).changed() {
+    let impossible = method.impossible_for(&document.set);
+    let tick = Checkbox::new(&mut compare, format!("Also solve by {title}"));
+    // What was ticked before the colours went can be taken back.
+    let tick = ui.add_enabled(impossible.is_none() || document.is_compared(method), tick);
+    if tick.on_hover_text(hover).on_disabled_hover_text(sentence(impossible.unwrap_or_default())).changed() {
         let verb = if compare { "Solve" } else { "Stop solving" };
         session.edit(&format!("{verb} by {title}"), |document| document.settings.compare(method, compare));
     }
     if !compare {
         return;
     }
-    options(ui, session, document, method);
+    method_options::ui(ui, session, document, method);
     let state = session.results.state(Step::ByMethod(method), document);
     match &state {
         StageState::Failed { line } | StageState::Blocked { line } => {
@@ -43,7 +47,7 @@ fn one(ui: &mut Ui, session: &mut Session, document: &Document, method: Method, 
     }
     // What failed for this document says nothing of an older result.
     if let Some(found) = session.results.by_method(method).filter(|_| !matches!(state, StageState::Failed { .. })) {
-        outcome(ui, &found);
+        outcome(ui, &found, document.method());
         if let Some(nayar) = found.solved.report.nayar() {
             convergence(ui, &nayar.report, errors);
         }
@@ -51,70 +55,13 @@ fn one(ui: &mut Ui, session: &mut Session, document: &Document, method: Method, 
     }
 }
 
-fn options(ui: &mut Ui, session: &mut Session, document: &Document, method: Method) {
-    let needs_albedo = method.needs().absolute_albedo;
-    let mut settings = document.settings.nayar.clone();
-    let mut changed = None;
-    Grid::new("nayar options").num_columns(2).show(ui, |ui| {
-        if needs_albedo {
-            grey_albedo(ui, session, document);
-        }
-        if method != Method::Shape {
-            return;
-        }
-        let mut whole = |ui: &mut Ui, label: &str, hover: &str, value: &mut usize, range, speed| {
-            let name = ui.label(label).on_hover_text(hover);
-            if ui.add(DragValue::new(value).range(range).speed(speed)).labelled_by(name.id).changed() {
-                changed = Some(format!("Change {}", lower_first(label)));
-            }
-            ui.end_row();
-        };
-        let patches = "About how many pieces of the surface exchange light; time grows with the square";
-        whole(ui, "Patches", patches, &mut settings.patches, NayarSettings::PATCHES, 20.0);
-        whole(
-            ui,
-            "Most iterations",
-            "When to stop at the latest",
-            &mut settings.max_iterations,
-            NayarSettings::ITERATIONS,
-            0.05,
-        );
-    });
-    if let Some(name) = changed {
-        session.edit(&name, |document| document.settings.nayar = settings);
-    }
-}
-
-/// Makes the paint's albedo absolute; a typed light of white does so without a ball.
-fn grey_albedo(ui: &mut Ui, session: &mut Session, document: &Document) {
-    let given = document.set.calibration.white_light;
-    if let Some(light) = given {
-        ui.label("Light of a white facet").on_hover_text("white_light under [calibration] in capture.toml");
-        ui.monospace(format!("{light:.4}"));
-        ui.end_row();
-        return;
-    }
-    let hover = "The part of the light that the grey ball reflects in the reference colour, as its maker states it: the method \
-                 needs to know how bright the paint is in itself";
-    let name = ui.label("Albedo of the grey ball").on_hover_text(hover);
-    let old = document.set.calibration.grey_albedo;
-    let mut albedo = old.unwrap_or(0.0);
-    let words = |value: f64, _| if value > 0.0 { format!("{value:.3}") } else { "unknown".into() };
-    let field =
-        DragValue::new(&mut albedo).range(0.0..=*Number::GreyAlbedo.range().end()).speed(0.002).custom_formatter(words);
-    if ui.add(field.custom_parser(|text| text.trim().parse().ok())).labelled_by(name.id).changed() {
-        let new = (albedo > 0.0).then(|| albedo.max(*Number::GreyAlbedo.range().start()));
-        session.edit("Type albedo of the grey ball", |document| document.set.calibration.grey_albedo = new);
-    }
-    ui.end_row();
-}
-
-fn outcome(ui: &mut Ui, found: &ByMethod) {
+fn outcome(ui: &mut Ui, found: &ByMethod, in_force: Method) {
     if let Some(nayar) = found.solved.report.nayar() {
         iterations(ui, &nayar.report);
     }
-    if let Some(angle) = found.from_bounce_1 {
-        ui.label(format!("Its normals are {:.2} degrees from those of bounce 1 on the mean.", angle.mean_deg));
+    if let Some(angle) = found.from_after {
+        let of = in_force.title();
+        ui.label(format!("Its normals are {:.2} degrees from those by {of} on the mean.", angle.mean_deg));
     }
     for warning in &found.warnings {
         ui.colored_label(ui.visuals().warn_fg_color, warning);
@@ -189,8 +136,8 @@ fn pictures(ui: &mut Ui, session: &mut Session, document: &Document, method: Met
     let mut offered = vec![Shown::Normals(name), depth.into(), minus_after];
     if let Some(light) = document.set.lights.first() {
         let direct = Plain::DirectBy.of(Of::light_by(method, &light.name));
-        let minus_bounce_1 = Shown::difference(direct.clone(), Plain::Direct.of(Of::light(&light.name)));
-        offered.extend([direct.into(), minus_bounce_1]);
+        let minus_direct = Shown::difference(direct.clone(), Plain::Direct.of(Of::light(&light.name)));
+        offered.extend([direct.into(), minus_direct]);
     }
     ui.horizontal_wrapped(|ui| {
         for shown in offered {

@@ -30,6 +30,21 @@ pub struct Document {
 }
 
 impl Document {
+    /// How direct light is told from indirect light.
+    pub fn method(&self) -> Method {
+        self.set.method()
+    }
+
+    /// Whether the set is also solved by this method, which is not the one in force.
+    pub fn is_compared(&self, method: Method) -> bool {
+        method != self.method() && self.settings.is_compared(method)
+    }
+
+    /// The methods that the set is also solved by.
+    pub fn compared(&self) -> impl Iterator<Item = Method> {
+        Method::ALL.into_iter().filter(|method| self.is_compared(*method))
+    }
+
     /// As the pipeline takes it, by a method.
     pub fn options(&self, method: Method) -> SolveOptions {
         SolveOptions { method, nayar: self.settings.nayar.options(), ..SolveOptions::of(&self.set) }

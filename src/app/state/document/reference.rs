@@ -31,9 +31,9 @@ pub enum ReferenceSource {
 /// Motions that lay the surfaces onto the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Poses {
-    /// That from bounce 1.
+    /// That of the direct light.
     pub after: Pose,
-    /// The surface before; as that from bounce 1 where it could not be aligned by itself.
+    /// The surface before; as that of the direct light where it could not be aligned by itself.
     pub before: Pose,
 }
 

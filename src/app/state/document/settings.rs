@@ -15,7 +15,7 @@ use super::reference::{Poses, ReferenceSettings};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// From bounce 1 to the surface, as earlier versions kept it here; capture.toml keeps it now.
+    /// From direct light to the surface, as earlier versions kept it here; capture.toml keeps it now.
     #[serde(skip_serializing)]
     shape: Option<ShapeSettings>,
     /// The methods that the set is also solved by, for comparison: it takes seconds, or minutes.
@@ -48,7 +48,7 @@ impl Settings {
         self
     }
 
-    /// Whether the set is also solved by this method.
+    /// Whether the set is to be solved by this method too, where another one is in force.
     pub fn is_compared(&self, method: Method) -> bool {
         self.compared.contains(&method)
     }

@@ -47,7 +47,7 @@ pub enum Shown {
 }
 
 impl Default for Shown {
-    /// Normals from bounce 1: what the program is for.
+    /// Normals of the direct light: what the program is for.
     fn default() -> Self {
         Self::Normals(SurfaceName::After)
     }
@@ -168,7 +168,7 @@ impl Shown {
 }
 
 fn of_surfaces(document: &Document) -> Vec<Shown> {
-    let others = document.settings.compared.iter().map(|&method| SurfaceName::By(method));
+    let others = document.compared().map(SurfaceName::By);
     let names: Vec<_> = [SurfaceName::After, SurfaceName::Before].into_iter().chain(others).collect();
     let mut shown: Vec<_> = names.iter().copied().map(Shown::Normals).collect();
     for plain in Plain::at(Place::Surface) {
@@ -181,7 +181,8 @@ fn of_light(light: &str, document: &Document) -> Vec<Shown> {
     let name = || light.to_owned();
     let plain = |place| Plain::at(place).flat_map(|plain| plain.under(light, document)).map(Shown::Plain);
     let bounces = document.set.bounces();
-    let mut shown: Vec<_> = (1..=bounces).map(|k| Shown::Bounce { light: name(), k }).collect();
+    let mut shown: Vec<_> = plain(Place::BeforeBounces).collect();
+    shown.extend((1..=bounces).map(|k| Shown::Bounce { light: name(), k }));
     shown.extend(plain(Place::AfterBounces));
     if bounces > 1 {
         shown.push(Shown::FigureOne { light: name() });
@@ -215,14 +216,18 @@ mod tests {
             (json!({"Bounce": {"light": "left", "k": 1}}), Shown::Bounce { light: "left".into(), k: 1 }),
             (json!({"Direct": {"light": "left"}}), Plain::Direct.of(Of::light("left")).into()),
             (json!({"Residual": {"light": "left"}}), Plain::Residual.of(Of::light("left")).into()),
+            (
+                json!({"IndirectRatio": {"light": "left", "colour": "green"}}),
+                Plain::IndirectRatio.of(Of::light_in("left", "green")).into(),
+            ),
             (json!({"Noise": {"light": "left"}}), Plain::Noise.of(Of::light("left")).into()),
             (
-                json!({"DirectBy": {"method": "nayar", "light": "left"}}),
+                json!({"DirectBy": {"method": "shape", "light": "left"}}),
                 Plain::DirectBy.of(Of::light_by(Method::Shape, "left")).into(),
             ),
             (json!({"Normals": "After"}), Shown::default()),
             (json!({"Albedo": "Before"}), Plain::Albedo.of(SurfaceName::Before).into()),
-            (json!({"NormalNoise": "nayar"}), Plain::NormalNoise.of(SurfaceName::By(Method::Shape)).into()),
+            (json!({"NormalNoise": "shape"}), Plain::NormalNoise.of(SurfaceName::By(Method::Shape)).into()),
             (json!("Surface"), Shown::Surface),
             (
                 json!({"Difference": [{"Depth": "After"}, {"Depth": "Before"}]}),
@@ -237,9 +242,15 @@ mod tests {
     #[test]
     fn saved_layouts_that_know_one_other_method_mean_nayars() {
         let direct = Shown::from(Plain::DirectBy.of(Of::light_by(Method::Shape, "left")));
-        for saved in [json!({"NayarDirect": {"light": "left"}}), json!({"DirectBy": {"light": "left"}})] {
+        for saved in [
+            json!({"NayarDirect": {"light": "left"}}),
+            json!({"DirectBy": {"light": "left"}}),
+            json!({"DirectBy": {"method": "nayar", "light": "left"}}),
+        ] {
             assert_eq!(from_value::<Shown>(saved).unwrap(), direct);
         }
+        let normals = Shown::Normals(SurfaceName::By(Method::Shape));
+        assert_eq!(from_value::<Shown>(json!({"Normals": "nayar"})).unwrap(), normals);
         assert!(from_value::<Shown>(json!({"Nothing": {"light": "left"}})).is_err());
     }
 }

@@ -37,11 +37,11 @@ pub enum How {
 
 /// Both surfaces against the reference.
 pub struct Outcome {
-    /// From bounce 1.
+    /// Of the direct light.
     pub after: Compared,
     /// Before, or why it could not be compared.
     pub before: Result<Compared, CompareError>,
-    /// The distances of bounce 1.
+    /// The distances of the surface after.
     pub bars: Bars,
 }
 
@@ -122,7 +122,7 @@ fn outcome(
         compare_meshes(mesh, reference, &registration, &options, (&aligning, &measuring))
     };
     let after = one(how, true, &meshes.after, poses.map(|poses| poses.after), 0.0)?;
-    // Both come from one camera: where bounce 1 lies, the surface before lies nearly too, and need not be searched for.
+    // Both come from one camera: where the surface after lies, that before lies nearly too, and need not be searched for.
     let (how, search) = match &after.alignment {
         Some(found) => (How::Align(Start::Pose(found.moving_to_fixed)), false),
         None => (how.clone(), true),

@@ -75,7 +75,7 @@ impl Session {
         }
     }
 
-    /// Where the reference lies in the object frame: bounce 1 stays where it is. Its own frame while pairs are picked.
+    /// Where the reference lies in the object frame: the surface after stays where it is. Its own frame while pairs are picked.
     pub(in crate::app) fn reference_pose(&self) -> Isometry3<f64> {
         let document = self.document();
         let poses = document.settings.reference.as_ref().and_then(|reference| reference.poses);

@@ -10,7 +10,7 @@ pub const MIN_PAIRS: usize = 3;
 /// The points so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pairs {
-    /// On bounce 1, in the object frame.
+    /// On the surface after, in the object frame.
     on_surface: Vec<Point3<f64>>,
     /// On the reference, in its own frame.
     on_reference: Vec<Point3<f64>>,

@@ -24,7 +24,7 @@ pub trait Stage: Send + Sync {
     /// What a line about it begins with.
     fn title(&self) -> String;
     /// What its job is called while it runs.
-    fn job_name(&self) -> String;
+    fn job_name(&self, document: &Document) -> String;
     /// What its result depends on; `None` where it cannot be computed yet.
     fn key(&self, known: &Known) -> Option<AnyKey>;
     /// The work, with what it takes of the results.
@@ -308,7 +308,7 @@ impl Results {
         }
         let stage = &self.rows[index].stage;
         if let Some(work) = stage.work(document.clone(), self) {
-            let task = jobs.compute(stage.job_name(), work);
+            let task = jobs.compute(stage.job_name(document), work);
             self.running = Some(Running { index, keys, task, superseded: false });
         }
         Next::Rest

@@ -61,6 +61,17 @@ pub enum StageError {
         /// Which one.
         method: Method,
     },
+    /// What makes albedos absolute is missing; where it is typed in this window.
+    #[error(
+        "Nayar's method needs the paint's absolute albedo: type the grey ball's albedo, as its maker states it, in Separate or Shape"
+    )]
+    NoGreyAlbedo,
+    /// A method that is compared with itself.
+    #[error("{} is the method in force: its results are those after separation", .method.title())]
+    InForce {
+        /// Which one.
+        method: Method,
+    },
     /// A stage before is on its way.
     #[error("the step before is not done yet")]
     TooEarly,
@@ -74,6 +85,9 @@ pub enum StageError {
 
 impl From<PipelineError> for StageError {
     fn from(error: PipelineError) -> Self {
-        Self::Pipeline(Arc::new(error))
+        match error {
+            PipelineError::NoGreyAlbedo => Self::NoGreyAlbedo,
+            error => Self::Pipeline(Arc::new(error)),
+        }
     }
 }

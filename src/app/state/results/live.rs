@@ -1,12 +1,15 @@
-//! Values that follow from the document at once, without waiting for a stage: alpha, beta and the bounce operator. A typed value
-//! is in force in the frame in which it is typed.
+//! Values that follow from the document at once, without waiting for a stage: alpha, beta, the bounce operator and that of one
+//! colour ratio a light. A typed value is in force in the frame in which it is typed.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Calibrated, PipelineError, rig_of};
+use firstbounce_core::methods::colours_and_shape::even_operator;
 use firstbounce_core::separate::BounceSystem;
 use firstbounce_core::trust;
+use nalgebra::DMatrix;
 
 use super::stages::Given;
 use super::{Calibration, Results, StageError};
@@ -25,6 +28,16 @@ pub struct Rig {
     pub bounces: usize,
     /// By light, then colour: the noise that weights the fit.
     sigma: Vec<Vec<f64>>,
+    /// By light, then colour: mean linear light of the object.
+    mean: Vec<Vec<f64>>,
+}
+
+/// What is in force under one light.
+struct OfLight<'a> {
+    index: usize,
+    alpha: &'a [f64],
+    beta: &'a [f64],
+    sigma: Cow<'a, [f64]>,
 }
 
 impl Rig {
@@ -44,12 +57,28 @@ impl Rig {
 
     /// The same for another order m.
     pub fn system_of_order(&self, light: &str, bounces: usize) -> Result<BounceSystem, StageError> {
+        let OfLight { alpha, beta, sigma, .. } = self.of_light(light)?;
+        Ok(BounceSystem::new(alpha, beta, &sigma, bounces).map_err(PipelineError::from)?)
+    }
+
+    /// The 2 x n matrix that takes the photos of a light to direct and indirect light, with one colour ratio of indirect light:
+    /// that of all light of the object.
+    pub fn even_operator(&self, light: &str) -> Result<DMatrix<f64>, StageError> {
+        let OfLight { index, alpha, beta, sigma } = self.of_light(light)?;
+        let mean = self.mean.get(index).filter(|mean| mean.len() == beta.len()).ok_or(StageError::Reading)?;
+        let normalised: Vec<f64> = mean.iter().zip(alpha).map(|(mean, alpha)| mean / alpha).collect();
+        let reference = normalised.first().copied().filter(|light| *light > 0.0).unwrap_or(1.0);
+        let ratio: Vec<f64> = normalised.iter().map(|light| light / reference).collect();
+        Ok(even_operator(alpha, beta, &ratio, &sigma).map_err(PipelineError::from)?)
+    }
+
+    fn of_light(&self, light: &str) -> Result<OfLight<'_>, StageError> {
         let missing = || self.missing().unwrap_or_else(|| StageError::NoLight { light: light.to_owned() });
         let index = self.lights.iter().position(|name| name == light).ok_or_else(missing)?;
         let (Some(beta), Some(Some(alpha))) = (&self.beta, self.alpha.get(index)) else { return Err(missing()) };
-        let even = vec![1.0; beta.len()];
-        let sigma = self.sigma.get(index).filter(|sigma| sigma.len() == beta.len()).unwrap_or(&even);
-        Ok(BounceSystem::new(alpha, beta, sigma, bounces).map_err(PipelineError::from)?)
+        let known = self.sigma.get(index).filter(|sigma| sigma.len() == beta.len());
+        let sigma = known.map_or_else(|| Cow::Owned(vec![1.0; beta.len()]), |sigma| Cow::Borrowed(&**sigma));
+        Ok(OfLight { index, alpha, beta, sigma })
     }
 }
 
@@ -112,12 +141,14 @@ impl Results {
         };
         let beta = set.calibration.beta.as_ref().filter(fits).cloned();
         let measured = || calibration.as_ref()?.calibrated.beta.as_ref().map(values);
+        let levels = self.loaded().map(|loaded| loaded.levels.clone()).unwrap_or_default();
         Rig {
             lights: set.lights.iter().map(|light| light.name.clone()).collect(),
             alpha: set.lights.iter().map(|light| alpha(&light.name)).collect(),
             beta: beta.or_else(measured).or_else(|| alone.clone()),
             bounces: set.bounces(),
-            sigma: self.loaded().map(|loaded| loaded.levels.sigma.clone()).unwrap_or_default(),
+            sigma: levels.sigma,
+            mean: levels.mean,
         }
     }
 }

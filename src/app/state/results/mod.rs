@@ -19,7 +19,7 @@ use firstbounce_core::Mesh;
 use firstbounce_core::stereo::shape::Shape;
 
 use crate::app::base::jobs::drop_aside;
-use crate::app::state::document::{Document, Settings};
+use crate::app::state::document::Document;
 
 pub use engine::{Next, StageState};
 pub use error::StageError;
@@ -28,7 +28,7 @@ pub use firstbounce_capture::pipeline::SurfaceName;
 pub use live::Rig;
 pub use pictures::{MarksName, Pictures, PlaneName, ShotName, Stored, stage_of};
 pub use plain::{Of, Place, Plain, PlainPicture, Quantity, Range};
-pub use stages::{ByMethod, Calibration, Loaded, LoadedShot, Meshes, Shapes, Step};
+pub use stages::{ByMethod, Calibration, Loaded, LoadedShot, Meshes, MethodLight, Shapes, Step};
 
 use engine::{Keys, Row, Running};
 
@@ -77,9 +77,14 @@ impl Results {
         self.last(Step::Measure)
     }
 
-    /// The bounces, as they would be saved.
-    pub fn separated(&self) -> Option<Arc<Separated>> {
+    /// What the method in force found.
+    pub fn method_light(&self) -> Option<Arc<MethodLight>> {
         self.last(Step::Separate)
+    }
+
+    /// The bounces that it tells apart, as they would be saved.
+    pub fn separated(&self) -> Option<Arc<Separated>> {
+        Some(self.method_light()?.separated.clone())
     }
 
     /// Normals and depth, before and after.
@@ -107,12 +112,12 @@ impl Results {
     }
 
     /// The triangles of a surface, where they are asked for.
-    pub fn mesh(&self, name: SurfaceName, settings: &Settings) -> Option<Arc<Mesh>> {
+    pub fn mesh(&self, name: SurfaceName, document: &Document) -> Option<Arc<Mesh>> {
         match name {
             SurfaceName::Before => Some(self.meshes()?.before.clone()),
             SurfaceName::After => Some(self.meshes()?.after.clone()),
             SurfaceName::By(method) => {
-                let asked = settings.is_compared(method);
+                let asked = document.is_compared(method);
                 Some(self.by_method(method).filter(|_| asked)?.surface.mesh.clone())
             }
         }

@@ -20,7 +20,7 @@ pub enum LayerName {
 }
 
 impl LayerName {
-    /// From bounce 1.
+    /// From the direct light that the method in force finds.
     pub const AFTER: Self = Self::Surface(SurfaceName::After);
     /// From the photos with all their light.
     pub const BEFORE: Self = Self::Surface(SurfaceName::Before);
@@ -34,7 +34,7 @@ impl LayerName {
     /// What it is called.
     pub fn title(self) -> &'static str {
         match self {
-            Self::AFTER => "Bounce 1",
+            Self::AFTER => "Direct light",
             Self::Surface(SurfaceName::Before) => "Before",
             Self::Surface(SurfaceName::By(method)) => method.title(),
             Self::Reference => "Reference",
@@ -44,7 +44,7 @@ impl LayerName {
     /// The same within a sentence.
     pub fn in_sentence(self) -> &'static str {
         match self {
-            Self::AFTER => "bounce 1",
+            Self::AFTER => "direct light",
             Self::Surface(SurfaceName::Before) => "before",
             Self::Surface(SurfaceName::By(method)) => method.title(),
             Self::Reference => "reference",
@@ -118,7 +118,7 @@ pub struct LayerLook {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Layers {
-    /// Bounce 1: green, as in the paper's figures.
+    /// Direct light: green, as bounce 1 in the paper's figures.
     after: LayerLook,
     /// Before: cyan.
     before: LayerLook,

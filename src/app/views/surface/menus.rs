@@ -30,7 +30,7 @@ pub fn toolbar(ui: &mut Ui, look: &mut SurfaceLook, state: &mut ViewState, docum
         shade => format!("Shading: {}", shade.name()),
     };
     lasting_menu(ui, title, |ui| shading(ui, look, document));
-    lasting_menu(ui, "Layers", |ui| layers(ui, look, session));
+    lasting_menu(ui, "Layers", |ui| layers(ui, look, document, session));
     for (tool, name, hover) in [
         (Tool::Point, "Point", "Click to read a position"),
         (Tool::Distance, "Distance", "Click two points to measure the distance between them"),
@@ -71,8 +71,10 @@ fn shading(ui: &mut Ui, look: &mut SurfaceLook, document: &Document) {
     ui.checkbox(&mut look.wireframe, "Wireframe over the surface");
 }
 
-fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
-    for name in LayerName::all() {
+fn layers(ui: &mut Ui, look: &mut SurfaceLook, document: &Document, session: &Session) {
+    // The method in force is the first layer.
+    let by_itself = LayerName::Surface(SurfaceName::By(document.method()));
+    for name in LayerName::all().filter(|name| *name != by_itself) {
         let is_there = session.surfaces.layer(name).is_some();
         let layer = look.layer_mut(name);
         ui.horizontal(|ui| {
@@ -102,7 +104,7 @@ fn layers(ui: &mut Ui, look: &mut SurfaceLook, session: &Session) {
         ui.radio_value(&mut look.colours, colours, name);
     }
     let own = SurfaceLook::default();
-    if ui.button("The paper's colours").on_hover_text("Bounce 1 green, before cyan, reference red").clicked() {
+    if ui.button("The paper's colours").on_hover_text("Direct light green, before cyan, reference red").clicked() {
         for name in LayerName::all() {
             look.layer_mut(name).colour = own.layer(name).colour;
         }

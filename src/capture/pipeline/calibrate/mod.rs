@@ -80,7 +80,7 @@ impl<T> Known<T> {
 }
 
 impl Known<f64> {
-    fn by_definition() -> Self {
+    pub(super) fn by_definition() -> Self {
         Self { value: 1.0, interval: Some([1.0; 2]), source: Source::Definition, pixels: None }
     }
 

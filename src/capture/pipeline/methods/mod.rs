@@ -140,6 +140,12 @@ impl Method {
         self.row().stage
     }
 
+    /// Why a set cannot be separated by it, whatever is chosen; `None` where it can.
+    pub fn impossible_for(self, set: &CaptureSet) -> Option<&'static str> {
+        let is_short = self.needs().all_colours && set.colours.len() < 2;
+        is_short.then_some("it needs photos in two lamp colours or more")
+    }
+
     /// Whether it takes the whole object for one paint.
     pub fn assumes_one_paint(self) -> bool {
         self.row().one_paint

@@ -13,6 +13,7 @@
 mod amount;
 mod apply;
 mod arriving;
+mod even;
 mod fit;
 mod grid;
 mod indirect;
@@ -40,6 +41,7 @@ use pyramid::Pyramid;
 use visibility::Visibility;
 
 pub use amount::{AmountReport, MAX_UNEVENNESS};
+pub use even::even_operator;
 pub use report::{ColoursAndShapeReport, LightReport};
 
 /// Normals that receive light are smoothed by a Gaussian of this standard deviation, within each wall.

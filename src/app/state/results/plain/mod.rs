@@ -21,7 +21,7 @@ pub struct Row {
     pub title: &'static str,
     /// What there is one of it for.
     pub each: Each,
-    /// Whether there is one for every colour, too.
+    /// Whether there is one for every colour but the reference, too.
     pub by_colour: bool,
     /// Where the menu of pictures has it, in the order of [`Plain::ALL`].
     pub place: Place,
@@ -40,8 +40,8 @@ pub struct Row {
 pub enum Each {
     /// Every surface.
     Surface,
-    /// Every light, from this stage.
-    Light(Step),
+    /// Every light, from the method in force, where it gives it.
+    Light(fn(Method) -> bool),
     /// Every light, from every other method that gives it and is compared.
     LightBy(fn(Method) -> bool),
 }
@@ -51,6 +51,8 @@ pub enum Each {
 pub enum Place {
     /// Under the surface, after the normals.
     Surface,
+    /// Under its light, first of all.
+    BeforeBounces,
     /// Under its light, after the bounces.
     AfterBounces,
     /// Under its light, after the sum of the bounces.
@@ -108,14 +110,13 @@ impl Plain {
 
 impl Row {
     fn under(&self, light: &str, document: &Document) -> Vec<Of> {
-        let (set, compared) = (&document.set, &document.settings.compared);
         let methods = match self.each {
             Each::Surface => Vec::new(),
-            Each::Light(_) => vec![None],
-            Each::LightBy(gives) => compared.iter().filter(|method| gives(**method)).copied().map(Some).collect(),
+            Each::Light(gives) => [None].into_iter().filter(|_| gives(document.method())).collect(),
+            Each::LightBy(gives) => document.compared().filter(|method| gives(*method)).map(Some).collect(),
         };
         let colours = match self.by_colour {
-            true => set.colours.iter().map(|colour| Some(colour.name.clone())).collect(),
+            true => document.set.colours.iter().skip(1).map(|colour| Some(colour.name.clone())).collect(),
             false => vec![None],
         };
         let of = |method, colour: &Option<String>| Of::Light { method, light: light.into(), colour: colour.clone() };
@@ -146,6 +147,11 @@ impl Of {
     /// A light.
     pub fn light(light: &str) -> Self {
         Self::Light { method: None, light: light.into(), colour: None }
+    }
+
+    /// A light in a colour.
+    pub fn light_in(light: &str, colour: &str) -> Self {
+        Self::Light { method: None, light: light.into(), colour: Some(colour.into()) }
     }
 
     /// A light, as another method finds it.
@@ -203,7 +209,7 @@ impl PlainPicture {
     /// The stage that gives it.
     pub fn step(&self) -> Step {
         let step = match self.plain.row().each {
-            Each::Light(step) => step,
+            Each::Light(_) => Step::Separate,
             Each::Surface | Each::LightBy(_) => Step::Shape,
         };
         self.by_method().map_or(step, Step::ByMethod)
@@ -240,14 +246,28 @@ mod tests {
     fn a_picture_by_colour_is_offered_once_for_every_method_and_colour() {
         let mut document = Document::default();
         document.set.lights = vec![Light { name: "left".into(), ..Light::default() }];
-        document.set.colours = ["blue", "green"].map(|name| Colour { name: name.into(), ..Colour::default() }).into();
+        let colours = ["blue", "green", "red"].map(|name| Colour { name: name.into(), ..Colour::default() });
+        document.set.colours = colours.into();
         let row = Row { by_colour: true, ..Plain::DirectBy.row() };
         assert_eq!(row.under("left", &document), []);
         document.settings.compare(Method::Shape, true);
         let titles: Vec<_> =
             row.under("left", &document).into_iter().map(|of| Plain::DirectBy.of(of).title()).collect();
-        assert_eq!(titles, ["blue", "green"].map(|colour| format!("Direct light by Nayar's method, left, {colour}")));
+        assert_eq!(titles, ["green", "red"].map(|colour| format!("Direct light by Nayar's method, left, {colour}")));
         let row = Row { each: Each::LightBy(|method| method == Method::Colours), ..row };
         assert_eq!(row.under("left", &document), []);
+    }
+
+    #[test]
+    fn a_picture_is_offered_where_the_method_in_force_gives_it() {
+        let mut document = Document::default();
+        document.set.separation.method = Some(Method::Shape);
+        assert_eq!(Plain::Indirect.under("left", &document).count(), 0);
+        document.set.separation.method = Some(Method::ColoursAndShape);
+        let titles: Vec<_> = Plain::Indirect.under("left", &document).map(|picture| picture.title()).collect();
+        assert_eq!(titles, ["Indirect light, left"]);
+        // The method in force is not compared with itself.
+        document.settings.compare(Method::ColoursAndShape, true);
+        assert_eq!(Plain::DirectBy.under("left", &document).count(), 0);
     }
 }

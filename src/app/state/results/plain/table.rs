@@ -1,24 +1,30 @@
 //! The table of plain pictures: one row for each.
 
 use firstbounce_capture::CaptureSet;
+use firstbounce_capture::pipeline::Method;
 use firstbounce_capture::set::Projection;
 use serde::{Deserialize, Serialize};
 
 use super::{Each, Place, Quantity, Range, Row};
-use crate::app::state::results::Step;
 use crate::gpu::ColourMap;
 
 /// The plain pictures. Their names are those in saved layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Plain {
-    /// Bounce 1 with less noise: what the surface is recovered from.
+    /// Direct light: what the surface is recovered from.
     Direct,
+    /// All light that bounced more than once, together.
+    Indirect,
+    /// What the indirect light of a colour is, relative to that of the reference colour.
+    IndirectRatio,
+    /// What part of the light that arrives from the object is sent on.
+    IndirectAmount,
     /// Direct light, as another method finds it.
     #[serde(alias = "NayarDirect")]
     DirectBy,
     /// What the bounces leave of the photos, root mean square over the colours.
     Residual,
-    /// Predicted noise of bounce 1.
+    /// Predicted noise of the direct light.
     Noise,
     /// Albedo.
     Albedo,
@@ -30,21 +36,61 @@ pub enum Plain {
 
 impl Plain {
     /// Every one, in the order of the menu.
-    pub const ALL: [Self; 7] =
-        [Self::Direct, Self::DirectBy, Self::Residual, Self::Noise, Self::Albedo, Self::NormalNoise, Self::Depth];
+    pub const ALL: [Self; 10] = [
+        Self::Direct,
+        Self::Indirect,
+        Self::IndirectRatio,
+        Self::IndirectAmount,
+        Self::DirectBy,
+        Self::Residual,
+        Self::Noise,
+        Self::Albedo,
+        Self::NormalNoise,
+        Self::Depth,
+    ];
 
     /// The row of the table.
     pub fn row(self) -> Row {
         match self {
             Self::Direct => Row {
-                title: "Bounce 1 with less noise",
-                each: Each::Light(Step::Shape),
+                title: "Direct light",
+                each: Each::Light(|_| true),
                 by_colour: false,
-                place: Place::AfterBounces,
+                place: Place::BeforeBounces,
                 map: ColourMap::Grey,
                 range: Range::FromZero,
                 quantity: |_| Quantity::LIGHT,
                 impossible: |_| None,
+            },
+            Self::Indirect => Row {
+                title: "Indirect light",
+                each: Each::Light(|method| method == Method::ColoursAndShape),
+                by_colour: false,
+                place: Place::BeforeBounces,
+                map: ColourMap::Grey,
+                range: Range::FromZero,
+                quantity: |_| Quantity::LIGHT,
+                impossible: without_shape_or_colours,
+            },
+            Self::IndirectRatio => Row {
+                title: "Ratio of indirect light",
+                each: Each::Light(|method| method == Method::ColoursAndShape),
+                by_colour: true,
+                place: Place::BeforeBounces,
+                map: ColourMap::Viridis,
+                range: Range::Own,
+                quantity: |_| RATIO,
+                impossible: without_shape_or_colours,
+            },
+            Self::IndirectAmount => Row {
+                title: "Amount of indirect light",
+                each: Each::Light(|method| method == Method::ColoursAndShape),
+                by_colour: false,
+                place: Place::BeforeBounces,
+                map: ColourMap::Viridis,
+                range: Range::FromZero,
+                quantity: |_| AMOUNT,
+                impossible: without_shape_or_colours,
             },
             Self::DirectBy => Row {
                 title: "Direct light",
@@ -58,21 +104,23 @@ impl Plain {
             },
             Self::Residual => Row {
                 title: "Residual",
-                each: Each::Light(Step::Separate),
+                each: Each::Light(|method| method == Method::Colours),
                 by_colour: false,
                 place: Place::AfterSum,
                 map: ColourMap::Viridis,
                 range: Range::Own,
                 quantity: |_| Quantity::light("Root mean square residual, linear light"),
-                impossible: |set| {
-                    (set.bounces() >= set.colours.len()).then_some(
-                        "with as many bounces as colours there is no residual: choose a lower order in Separate",
-                    )
+                impossible: |set| match set.method() {
+                    Method::Colours if set.bounces() < set.colours.len() => None,
+                    Method::Colours => {
+                        Some("with as many bounces as colours there is no residual: choose a lower order in Separate")
+                    }
+                    _ => Some("only the paper's method has a residual: choose it in Separate"),
                 },
             },
             Self::Noise => Row {
-                title: "Noise of bounce 1",
-                each: Each::Light(Step::Separate),
+                title: "Noise of direct light",
+                each: Each::Light(|_| true),
                 by_colour: false,
                 place: Place::AfterSum,
                 map: ColourMap::Viridis,
@@ -114,6 +162,15 @@ impl Plain {
     }
 }
 
+fn without_shape_or_colours(set: &CaptureSet) -> Option<&'static str> {
+    let other = set.method() != Method::ColoursAndShape;
+    other.then_some("only the method \"colours and shape\" finds it: choose that in Separate")
+}
+
+const RATIO: Quantity =
+    Quantity { words: "Ratio to the reference colour", difference: "Difference of the ratio", unit: "" };
+const AMOUNT: Quantity =
+    Quantity { words: "Share of arriving light sent on", difference: "Difference of the share", unit: "" };
 const ALBEDO: Quantity =
     Quantity { words: "Albedo, relative to the first lamp", difference: "Difference of albedo", unit: "" };
 const NOISE_DEG: Quantity =

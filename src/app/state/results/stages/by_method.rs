@@ -1,4 +1,4 @@
-//! Another method beside the paper's, for comparison.
+//! Another method beside the one in force, for comparison.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -6,7 +6,8 @@ use std::sync::Arc;
 use firstbounce_capture::pipeline::{Method, SolveOptions, Solved, Surface, SurfaceName, reconstruct};
 use firstbounce_core::AngularError;
 
-use super::{Calibration, Meshes, Shapes, Step, scene};
+use super::depends::LightBy;
+use super::{Meshes, Shapes, Step, scene};
 use crate::app::state::document::Document;
 use crate::app::state::results::engine::{AnyKey, Done, Known, Stage, Work};
 use crate::app::state::results::error::StageError;
@@ -20,8 +21,8 @@ pub struct ByMethod {
     pub solved: Arc<Solved>,
     /// Its surface.
     pub surface: Surface,
-    /// How far its normals are from those of bounce 1; `None` where no pixel has both.
-    pub from_bounce_1: Option<AngularError>,
+    /// How far its normals are from those of the method in force; `None` where no pixel has both.
+    pub from_after: Option<AngularError>,
     /// What the user should know before trusting it.
     pub warnings: Vec<String>,
 }
@@ -32,10 +33,7 @@ pub struct Compare(pub Method);
 #[derive(PartialEq)]
 struct Key {
     mesh: u64,
-    /// What scales the albedo, where the method needs it: the grey ball's albedo and light, the light of white.
-    scale: Option<[Option<u64>; 3]>,
-    /// Where the grey ball must be looked at once more, the calibration whose circles count.
-    calibrate: Option<u64>,
+    light: LightBy,
     options: SolveOptions,
 }
 
@@ -53,25 +51,17 @@ impl Stage for Compare {
         title[..1].to_uppercase() + &title[1..]
     }
 
-    fn job_name(&self) -> String {
+    fn job_name(&self, _: &Document) -> String {
         format!("Solve by {}", self.0.title())
     }
 
     fn key(&self, known: &Known) -> Option<AnyKey> {
-        if !known.document.settings.is_compared(self.0) {
+        if !known.document.is_compared(self.0) {
             return None;
         }
         let (_, mesh) = known.ready::<Meshes>(Step::Mesh)?;
-        let (rig, calibrate) = known.ready::<Calibration>(Step::Calibrate)?;
-        let (given, needs_scale) = (&known.document.set.calibration, self.0.needs().absolute_albedo);
-        Some(AnyKey::new(Key {
-            mesh,
-            scale: needs_scale.then(|| {
-                [given.grey_albedo, rig.calibrated.grey_light, given.white_light].map(|x| x.map(f64::to_bits))
-            }),
-            calibrate: (needs_scale && rig.calibrated.grey_light.is_none()).then_some(calibrate),
-            options: known.document.options(self.0),
-        }))
+        let light = LightBy::of(self.0, known)?;
+        Some(AnyKey::new(Key { mesh, light, options: known.document.options(self.0) }))
     }
 
     fn work(&self, document: Arc<Document>, results: &Results) -> Option<Work> {
@@ -89,11 +79,11 @@ impl Stage for Compare {
         }))
     }
 
-    fn why_blocked(&self, document: &Document, _: &Results) -> StageError {
-        if document.settings.is_compared(self.0) {
-            StageError::TooEarly
-        } else {
-            StageError::NotAsked { method: self.0 }
+    fn why_blocked(&self, document: &Document, results: &Results) -> StageError {
+        match self.0 {
+            method if document.method() == method => StageError::InForce { method },
+            method if document.is_compared(method) => results.rig(document).missing().unwrap_or(StageError::TooEarly),
+            method => StageError::NotAsked { method },
         }
     }
 }
@@ -101,9 +91,9 @@ impl Stage for Compare {
 fn found(solved: Solved, shapes: &Shapes) -> Result<ByMethod, StageError> {
     let surface = solved.after?;
     let solved = Solved { after: Ok(surface.clone()), ..solved };
-    let from_bounce_1 = surface.shape.normals.map.angular_error(&shapes.after.normals.map, &solved.object.mask);
+    let from_after = surface.shape.normals.map.angular_error(&shapes.after.normals.map, &solved.object.mask);
     let warnings = solved.report.warnings(surface.shape.report.normals.solved_pixels);
-    Ok(ByMethod { solved: Arc::new(solved), surface, from_bounce_1, warnings })
+    Ok(ByMethod { solved: Arc::new(solved), surface, from_after, warnings })
 }
 
 fn pictures(method: Method, found: &ByMethod) -> Batch {

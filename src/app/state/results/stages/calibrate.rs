@@ -55,7 +55,7 @@ impl Stage for Calibrate {
         if self.0 == Step::Measure { "Measuring the balls".into() } else { "Calibration".into() }
     }
 
-    fn job_name(&self) -> String {
+    fn job_name(&self, _: &Document) -> String {
         if self.0 == Step::Measure { "Measure balls".into() } else { "Calibrate".into() }
     }
 

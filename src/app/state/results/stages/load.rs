@@ -74,7 +74,7 @@ impl Stage for Load {
         "Loading".into()
     }
 
-    fn job_name(&self) -> String {
+    fn job_name(&self, _: &Document) -> String {
         "Read photos".into()
     }
 

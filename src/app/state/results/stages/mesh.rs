@@ -16,7 +16,7 @@ use crate::app::state::results::error::StageError;
 /// Before and after as triangles.
 #[derive(Clone, Debug)]
 pub struct Meshes {
-    /// From bounce 1.
+    /// From the direct light that the method in force finds.
     pub after: Arc<Mesh>,
     /// From the photos with all their light.
     pub before: Arc<Mesh>,
@@ -43,7 +43,7 @@ impl Stage for Triangulate {
         "Meshing".into()
     }
 
-    fn job_name(&self) -> String {
+    fn job_name(&self, _: &Document) -> String {
         "Make mesh".into()
     }
 

@@ -2,6 +2,7 @@
 
 mod by_method;
 mod calibrate;
+mod depends;
 mod load;
 mod mesh;
 mod separate;
@@ -20,6 +21,7 @@ pub use by_method::ByMethod;
 pub use calibrate::{Calibration, Given};
 pub use load::{Loaded, LoadedShot};
 pub use mesh::Meshes;
+pub use separate::MethodLight;
 pub use shape::Shapes;
 
 /// The stages, in the order in which they run.
@@ -31,9 +33,9 @@ pub enum Step {
     Measure,
     /// The rig in force.
     Calibrate,
-    /// Photos to bounces.
+    /// Photos to direct light, by the method in force.
     Separate,
-    /// Normals and depth, of bounce 1 and before.
+    /// Normals and depth, of the direct light and before.
     Shape,
     /// Depth to triangles.
     Mesh,

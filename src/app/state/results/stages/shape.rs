@@ -1,33 +1,29 @@
-//! Shape: normals and depth, of bounce 1 and before.
+//! Shape: normals and depth, of the direct light and before.
 
 use std::sync::Arc;
 
-use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{
-    Direct, Method, Separated, SolveOptions, SurfaceName, denoise_lights, judge, raw_lights, recover,
-};
-use firstbounce_capture::set::{Projection, ShapeSettings};
+use firstbounce_capture::pipeline::{ObjectLevels, SolveOptions, SurfaceName, judge, raw_lights, recover};
+use firstbounce_capture::set::ShapeSettings;
 use firstbounce_core::stereo::shape::Shape;
 use firstbounce_core::trust::Trust;
 use firstbounce_core::{AngularError, NormalMap, Plane};
 use rayon::prelude::*;
 
-use super::{Calibration, Loaded, Step, bits, scene};
+use super::depends::Placement;
+use super::{Calibration, Loaded, MethodLight, Step, scene};
 use crate::app::base::jobs::Job;
 use crate::app::state::document::Document;
+use crate::app::state::results::Results;
 use crate::app::state::results::engine::{AnyKey, Done, Known, Stage, Work};
 use crate::app::state::results::error::StageError;
 use crate::app::state::results::pictures::{Batch, PlaneName};
-use crate::app::state::results::{Of, Plain, Results};
 
 /// Normals and depth.
 #[derive(Clone, Debug)]
 pub struct Shapes {
-    /// By light: bounce 1 with less noise.
-    pub direct: Arc<Vec<Direct>>,
-    /// How far that can be trusted.
+    /// How far the direct light can be trusted.
     pub trust: Trust,
-    /// From bounce 1.
+    /// From the direct light that the method in force finds.
     pub after: Arc<Shape>,
     /// From the photos with all their light.
     pub before: Arc<Shape>,
@@ -42,10 +38,7 @@ pub struct Recover;
 struct Key {
     separate: u64,
     lights: Vec<String>,
-    directions: Vec<Option<[u64; 3]>>,
-    positions_mm: Vec<Option<[f64; 3]>>,
-    intensities: Vec<u64>,
-    projection: Projection,
+    placement: Placement,
     settings: ShapeSettings,
 }
 
@@ -62,65 +55,65 @@ impl Stage for Recover {
         "Shape recovery".into()
     }
 
-    fn job_name(&self) -> String {
+    fn job_name(&self, _: &Document) -> String {
         "Recover shape".into()
     }
 
     fn key(&self, known: &Known) -> Option<AnyKey> {
-        let (_, separate) = known.ready::<Separated>(Step::Separate)?;
+        let (_, separate) = known.ready::<MethodLight>(Step::Separate)?;
         let (rig, _) = known.ready::<Calibration>(Step::Calibrate)?;
-        let (set, rig) = (&known.document.set, &rig.calibrated);
+        let set = &known.document.set;
         Some(AnyKey::new(Key {
             separate,
             lights: set.lights.iter().map(|light| light.name.clone()).collect(),
-            directions: rig
-                .direction
-                .iter()
-                .map(|known| known.as_ref().map(|known| known.value.map(f64::to_bits)))
-                .collect(),
-            positions_mm: set.lights.iter().map(|light| light.position_mm).collect(),
-            intensities: bits(&rig.intensity),
-            projection: set.camera.projection,
+            placement: Placement::of(set, &rig),
             settings: set.shape.clone(),
         }))
     }
 
     fn work(&self, document: Arc<Document>, results: &Results) -> Option<Work> {
-        let (loaded, rig, separated) = (results.loaded()?, results.calibration()?, results.separated()?);
+        let (loaded, rig, light) = (results.loaded()?, results.calibration()?, results.method_light()?);
         Some(Box::new(move |job| {
-            let options = document.options(Method::Colours);
-            let shapes = shapes(&document.set, &loaded, &rig, &separated, &options, job)?;
-            let pictures = pictures(&document.set, &shapes);
+            let options = document.options(light.method);
+            let shapes = shapes(&document, &loaded, &rig, &light, &options, job)?;
+            let pictures = pictures(&shapes);
             Ok(Done::new(shapes).with_pictures(pictures))
         }))
     }
 }
 
 fn shapes(
-    set: &CaptureSet,
+    document: &Document,
     loaded: &Loaded,
     rig: &Calibration,
-    separated: &Separated,
+    light: &MethodLight,
     options: &SolveOptions,
     job: &Job,
 ) -> Result<Shapes, StageError> {
-    let scene = scene(set, loaded, rig)?;
-    let direct = denoise_lights(&scene, separated, &options.denoise, job)?;
-    let bounces = separated.reports.first().map_or(1, |report| report.bounces);
-    let trust = judge(set, &loaded.levels, &rig.calibrated, &options.trust(bounces))?;
-    let raw = raw_lights(&scene.object, job)?;
-    // Lights that are left out are left out of both, so that before and after differ by the bounces alone.
-    let after = recover(&scene, &direct, &options.left_out, &options.shape_after(), job)?;
-    let before = recover(&scene, &raw.direct(), &options.left_out, &options.shape, job)?;
+    let sees_all = options.method.needs().all_colours;
+    let scene = options.method.scene_of(scene(&document.set, loaded, rig)?, options);
+    let of_scene = (!sees_all).then(|| ObjectLevels::of(&scene.set, &scene.object));
+    let levels = of_scene.as_ref().unwrap_or(&loaded.levels);
+    let trust_options = options.trust(options.calibrated_bounces_of(&scene.set));
+    let trust = judge(&scene.set, levels, &scene.calibrated, &trust_options)?;
+    // Lights that are left out are left out of both, so that before and after differ by the separation alone.
+    let after = match &light.after {
+        Some(after) => after.clone(),
+        None => Arc::new(recover(&scene, &light.direct, &options.left_out, &options.shape_after(), job)?),
+    };
+    let before = match &light.before {
+        Some(before) => before.clone(),
+        None => {
+            let raw = raw_lights(&scene.object, job)?;
+            Arc::new(recover(&scene, &raw.direct(), &options.left_out, &options.shape, job)?)
+        }
+    };
     let turned = before.normals.map.angular_error(&after.normals.map, &after.normals.solved());
-    Ok(Shapes { direct: Arc::new(direct), trust, after: Arc::new(after), before: Arc::new(before), turned })
+    Ok(Shapes { trust, after, before, turned })
 }
 
-fn pictures(set: &CaptureSet, shapes: &Shapes) -> Batch {
+fn pictures(shapes: &Shapes) -> Batch {
     let mut batch = Batch::new(Step::Shape);
-    for (light, direct) in set.lights.iter().zip(&*shapes.direct) {
-        batch.put(Plain::Direct.of(Of::light(&light.name)), &direct.light);
-    }
     batch.put_shape(SurfaceName::After, &shapes.after);
     batch.put_shape(SurfaceName::Before, &shapes.before);
     if let Some(turned) = turned(&shapes.before.normals.map, &shapes.after.normals.map) {
