@@ -188,6 +188,10 @@ pub fn summary(report: &Report, folder: &Path) -> String {
         (Some(nayar), _) => nayar_lines(report, nayar),
         (None, _) => separation_lines(report),
     };
+    if let Some(record) = &report.colours_and_shape {
+        lines.extend(record.line());
+        lines.extend(record.verdict.iter().map(|line| format!("  {line}")));
+    }
     if let Some(shape) = &report.shape {
         lines.push(format!(
             "normals for {} pixels, expected noise {:.2} degrees; mesh of {} vertices in {}",

@@ -121,7 +121,7 @@ mod tests {
     use firstbounce_core::trust::{Level, Names, Reason};
 
     use super::*;
-    use crate::pipeline::{PhotoStore, Unattended, calibrate_for, evaluate, load_object};
+    use crate::pipeline::{PhotoStore, SolveOptions, Unattended, calibrate_for, evaluate, load_object};
 
     fn demo() -> CaptureSet {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/demo");
@@ -131,7 +131,7 @@ mod tests {
     fn verdict(set: &CaptureSet) -> Trust {
         let object = load_object(set, &PhotoStore::default(), &Unattended).unwrap();
         let levels = ObjectLevels::of(set, &object);
-        let calibrated = calibrate_for(&demo(), 2, &PhotoStore::default(), &Unattended).unwrap();
+        let calibrated = calibrate_for(&demo(), &object, &SolveOptions::default(), &PhotoStore::default(), &Unattended).unwrap();
         judge(set, &levels, &calibrated, &TrustOptions { bounces: 2, ..TrustOptions::default() }).unwrap()
     }
 
@@ -162,10 +162,10 @@ mod tests {
         for (name, bounces) in [("corner-blue", 1), ("corner-blue", 2), ("groove-rgb", 2), ("bowl-four", 2)] {
             let Some(folder) = firstbounce_testing::shared_set(name) else { continue };
             let set = CaptureSet::open(&folder).unwrap();
-            let options = crate::pipeline::SolveOptions { bounces: Some(bounces), ..Default::default() };
+            let options = SolveOptions { bounces: Some(bounces), ..Default::default() };
             let truth = evaluate(&set, &options, &Unattended).unwrap();
             let object = load_object(&set, &PhotoStore::default(), &Unattended).unwrap();
-            let calibrated = calibrate_for(&set, bounces, &PhotoStore::default(), &Unattended).unwrap();
+            let calibrated = calibrate_for(&set, &object, &options, &PhotoStore::default(), &Unattended).unwrap();
             let levels = ObjectLevels::of(&set, &object);
             let trust = judge(&set, &levels, &calibrated, &TrustOptions { bounces, ..Default::default() }).unwrap();
             let error = 100.0 * truth.bounce_relative_error[0];

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use rayon::prelude::*;
 
 use super::frame::page;
-use super::{Picture, Pictures, nayar};
+use super::{Picture, Pictures, colours_and_shape, nayar};
 use crate::pipeline::{Method, PipelineError, Solved, Surface};
 use crate::report::{Report, Row, ShapeRecord};
 use crate::set::CaptureSet;
@@ -34,6 +34,7 @@ pub fn html(solved: &Solved, report: &Report) -> Result<String, PipelineError> {
         h2 { "Captures and bounces" }
         @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
         @if let Some(record) = &report.nayar { (nayar::section(record)) }
+        @if let Some(record) = &report.colours_and_shape { (colours_and_shape::section(record)) }
         (shape_section(solved, report, pictures)?)
         h2 { "Calibration" }
         (calibration_table(report))

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::amount::AmountReport;
+use super::amount::{AmountReport, Tiles};
 use super::grid::{Grid, GridLight};
 use super::split::Split;
 use super::{ColoursAndShapeOptions, IndirectMaps};
@@ -68,6 +68,15 @@ impl Indirect {
         Self { ratio: (0..light.colours.len()).map(|c| Ratio::Even(ratio(c) as f32)).collect(), amount: None }
     }
 
+    /// The ratios of every so many-th cell along columns and rows alone.
+    pub(super) fn thinned(&self, every: usize) -> Self {
+        let ratio = |ratio: &Ratio| match ratio {
+            Ratio::Even(ratio) => Ratio::Even(*ratio),
+            Ratio::Map(plane) => Ratio::Map(plane.thinned(every)),
+        };
+        Self { ratio: self.ratio.iter().map(ratio).collect(), amount: None }
+    }
+
     /// What is shown of it.
     pub(super) fn into_maps(self, (width, height): (usize, usize)) -> IndirectMaps {
         let plane = |ratio| match ratio {
@@ -93,13 +102,14 @@ impl Indirect {
     }
 }
 
-/// The indirect light of every light from what arrives, by light and then colour; `even` is that of one ratio a light.
+/// The indirect light of every light from what arrives, by light and then colour, and K N_ref of every light; `even` is that of
+/// one ratio a light.
 pub(super) fn indirect_light(
     grid: &Grid,
     even: &[Indirect],
     arriving: Vec<Vec<Plane>>,
     options: &ColoursAndShapeOptions,
-) -> (Vec<Indirect>, Option<AmountReport>) {
+) -> (Vec<Indirect>, Vec<Plane>, Option<AmountReport>) {
     let sigma = options.ratio_window_px;
     let weight = gaussian(&grid.mask.map(|inside| if inside { 1.0 } else { 0.0 }), sigma);
     let smooth = |plane: Plane| {
@@ -129,8 +139,9 @@ pub(super) fn indirect_light(
     for ((indirect, arriving), fit) in lights.iter_mut().zip(&fits) {
         indirect.amount = Some(fit.amount(arriving, share, options.amount_window_px));
     }
-    let report = AmountReport::of(&grid.mask, &fits);
-    (lights.into_iter().map(|(indirect, _)| indirect).collect(), report)
+    let report = Tiles::of(&grid.mask, &fits).map(|tiles| tiles.report());
+    let (indirect, arriving) = lights.into_iter().unzip();
+    (indirect, arriving, report)
 }
 
 /// What the cells of one light say of s: information, and s times information.
@@ -140,7 +151,7 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    fn new(grid: &Grid, light: &GridLight, indirect: &Indirect, arriving: &Plane) -> Self {
+    pub(super) fn new(grid: &Grid, light: &GridLight, indirect: &Indirect, arriving: &Plane) -> Self {
         let of_cell = |cell: usize| {
             if !grid.mask.data()[cell] {
                 return (0.0, 0.0);
@@ -156,7 +167,7 @@ impl Fit {
     }
 
     /// s in windows, `share` where they say nothing.
-    fn amount(&self, arriving: &Plane, share: f64, sigma_px: f64) -> Amount {
+    pub(super) fn amount(&self, arriving: &Plane, share: f64, sigma_px: f64) -> Amount {
         // Independent cells that one window averages.
         let cells = 4.0 * std::f64::consts::PI * sigma_px * sigma_px;
         let expected = (EXPECTED_SPREAD * share.max(0.01)).powi(-2) / cells;
@@ -181,7 +192,7 @@ impl Fit {
 }
 
 /// s of the whole object, all lights together.
-fn common_share(fits: &[Fit]) -> f64 {
+pub(super) fn common_share(fits: &[Fit]) -> f64 {
     let sum = |plane: &Plane| plane.data().par_iter().map(|&value| f64::from(value)).sum::<f64>();
     let information: f64 = fits.iter().map(|fit| sum(&fit.information)).sum();
     let weighted: f64 = fits.iter().map(|fit| sum(&fit.weighted)).sum();
