@@ -17,7 +17,7 @@ use super::methods::{white_light, white_light_if_known};
 use super::watch::Part;
 use super::{
     AlbedoScale, Calibrated, Found, Input, Known, Method, MethodReport, ObjectLevels, ObjectPhotos, PhotoStore,
-    PipelineError, PipelineWatch, Scene, Stage, StageCost, Surface, calibrate_for, judge, load_object,
+    PipelineError, PipelineWatch, Scene, Stage, StageCost, Surface, calibrate_for, judge, load_object, trust::judge_method,
 };
 use crate::set::{CaptureSet, ShapeSettings};
 
@@ -201,8 +201,6 @@ pub fn reconstruct(
         Input { scene: &scene, raw: &raw, before: shape_before.as_deref(), white_light: white.as_ref(), options };
     let found = StageCost::measure(&mut stages, method.stage(), || method.direct_light(&input, watch, &mut |_| {}))?;
     let Found { separated, indirect, direct, shape, report } = found;
-    let trust_options = options.trust(options.calibrated_bounces_of(&scene.set));
-    let trust = judge(&scene.set, &ObjectLevels::of(&scene.set, &scene.object), &scene.calibrated, &trust_options)?;
 
     let shape = match shape {
         Some(shape) => Ok(Arc::new(shape)),
@@ -211,6 +209,13 @@ pub fn reconstruct(
     let after = match shape.and_then(|shape| surface(shape, &mut stages)) {
         Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
         after => after,
+    };
+    let trust = match report.colours_and_shape() {
+        Some(solved) => judge_method(&scene, &separated.reports, solved, after.as_ref().ok()),
+        None => {
+            let levels = ObjectLevels::of(&scene.set, &scene.object);
+            judge(&scene.set, &levels, &scene.calibrated, &options.trust(options.calibrated_bounces_of(&scene.set)))?
+        }
     };
     let before = match (&after, before, shape_before) {
         (Err(_), ..) => None,

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use firstbounce_core::Photo;
 use firstbounce_core::interval::Estimate;
-use firstbounce_core::separate::typical_light;
+use firstbounce_core::separate::{SeparateReport, typical_light};
 use firstbounce_core::stereo::normals::Lamp;
-use firstbounce_core::trust::{self, LightLevels, Rig, Trust, TrustOptions};
+use firstbounce_core::trust::{self, ByShapeLevels, LightLevels, Limits, Rig, Trust, TrustOptions};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
-use super::{Calibrated, Known, ObjectPhotos, PipelineError};
+use super::{Calibrated, ColoursAndShapeSolved, Known, ObjectPhotos, PipelineError, Scene, Surface};
 use crate::set::{CaptureSet, Light, Subject};
 
 /// Enough pixels for a mean.
@@ -66,6 +66,23 @@ pub fn judge(
     options: &TrustOptions,
 ) -> Result<Trust, PipelineError> {
     Ok(trust::judge(&rig_of(set, levels, calibrated)?, options)?)
+}
+
+/// Judges what colours and shape together found, by the method's own numbers.
+pub(super) fn judge_method(
+    scene: &Scene,
+    lights: &[SeparateReport],
+    solved: &ColoursAndShapeSolved,
+    surface: Option<&Surface>,
+) -> Trust {
+    let beta = scene.calibrated.beta.as_deref().map_or_else(Vec::new, estimates);
+    let levels = ByShapeLevels {
+        lights,
+        normal_noise_deg: surface.map(|surface| surface.shape.report.normals.mean_noise_deg),
+        beta: &beta,
+        closure: solved.report.closure.as_ref(),
+    };
+    trust::judge_colours_and_shape(&levels, &Limits::default())
 }
 
 /// Everything that a verdict depends on but the order m. A value that the set's file gives goes before a measured one, as

@@ -3,6 +3,8 @@
 mod colours;
 mod colours_and_shape;
 mod shape;
+#[cfg(test)]
+mod tests;
 
 use firstbounce_core::Plane;
 use firstbounce_core::stereo::shape::Shape;

@@ -65,7 +65,7 @@ impl ColoursAndShapeRecord {
             mean_direct: *mean_direct,
             mean_indirect: *mean_indirect,
         };
-        let of_colour = |ColourClosure { beta, object }: &ColourClosure| BetaWords {
+        let of_colour = |ColourClosure { beta, object, .. }: &ColourClosure| BetaWords {
             in_force: *beta,
             object: object.map(|object| object.estimate.value),
             interval: object.map(|object| [object.estimate.interval.low, object.estimate.interval.high]),

@@ -184,6 +184,9 @@ impl Report {
         let of_method = solved.report.warnings(solved_pixels);
         // That one colour cannot tell bounces apart is no reproach to a method that simulates them.
         let of_trust = trust.warnings().filter(|_| method.needs().all_colours);
+        // What the method says of itself is said once.
+        let of_trust = of_trust.filter(|line| !of_method.iter().any(|told| line.ends_with(told.as_str())));
+        let of_trust: Vec<_> = of_trust.collect();
         let warnings = of_photos.chain(of_method).chain(of_trust).collect();
         Self {
             schema: SCHEMA,

@@ -7,15 +7,15 @@
 
 use super::amount::Tiles;
 use super::direct::{direct_light, placed};
-use super::end_of_ratio::ends_of_ratio;
+use super::end_of_ratio::{Arriving, ends_of_ratio};
 use super::grid::{Grid, GridLight};
 use super::indirect::{Fit, Indirect, common_share};
-use super::{AmountReport, ObjectBeta};
+use super::{AmountReport, MAX_UNEVENNESS, ObjectBeta};
 use crate::interval::{Estimate, Interval};
 use crate::options::{OptionError, check_range};
 use crate::separate::MIN_BETA_DISTANCE;
 use crate::stereo::normals::{Lamp, NormalsOptions, Paint, PaintReport, Surface, normals};
-use crate::{Plane, Unwatched};
+use crate::{NormalMap, Plane, Unwatched};
 
 /// How s and k are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +52,11 @@ const LARGEST_STEP: f64 = 0.08;
 const SAME: f64 = 1e-3;
 /// Where s over k changes less than this for a change of beta, both relative, it says nothing of beta.
 const LEAST_SLOPE: f64 = 0.5;
+/// No paint reflects more than it receives, and no likely error of beta makes s so much larger than k: light from out of view does.
+const LARGEST_ALBEDO: f64 = 1.0;
+const LARGEST_S_OVER_K: f64 = 1.2;
+/// The effect of beta is found by a change of this share.
+const PERCENT: f64 = 0.01;
 
 /// What s, k and the ends of the colour ratios say.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +80,8 @@ pub struct ColourClosure {
     pub beta: f64,
     /// What the object tells of it; `None` where nothing is lit.
     pub object: Option<ObjectBeta>,
+    /// By how many degrees 1 % of beta turns the normals, on the mean.
+    pub turn_deg_per_percent: Option<f64>,
 }
 
 /// What closure says.
@@ -85,10 +92,12 @@ pub enum ClosureFinding {
         /// s over k.
         s_over_k: f64,
     },
-    /// s is uneven: then it is no measure of beta.
+    /// s is uneven, or too large for any paint or for this one: then it is no measure of beta.
     OutOfView {
         /// How uneven.
         unevenness: f64,
+        /// s over k, where k is known.
+        s_over_k: Option<f64>,
     },
     /// s is even, and the object tells another beta.
     BetaOff {
@@ -99,7 +108,7 @@ pub enum ClosureFinding {
         /// What the object tells.
         object: Estimate,
     },
-    /// s is even and differs from k by more than is allowed, and beta is as the object tells.
+    /// s is even and smaller than k by more than is allowed, and beta is as the object tells.
     AmountOff {
         /// s over k.
         s_over_k: f64,
@@ -128,10 +137,17 @@ impl ClosureFinding {
             Self::Closed { s_over_k } => {
                 format!("the amount of indirect light agrees with the paint's albedo: s / k is {s_over_k:.3}")
             }
-            Self::OutOfView { unevenness } => format!(
+            Self::OutOfView { unevenness, .. } if unevenness > MAX_UNEVENNESS => format!(
                 "part of the cavity is out of view: the amount of indirect light varies by {:.0} % over the object",
                 100.0 * unevenness
             ),
+            Self::OutOfView { s_over_k: Some(s_over_k), .. } => format!(
+                "part of the cavity is out of view, or the grey ball brighter than stated: the amount of indirect light is \
+                 {s_over_k:.2} times the paint's albedo"
+            ),
+            Self::OutOfView { s_over_k: None, .. } => {
+                "part of the cavity is out of view: there is more indirect light than any paint would send on".into()
+            }
             Self::BetaOff { colour, beta, object: Estimate { value, interval } } => format!(
                 "beta of {} is probably too {}: the object itself tells {value:.4} ({:.4} to {:.4}) and not {beta:.4}",
                 name(colour),
@@ -140,12 +156,8 @@ impl ClosureFinding {
                 interval.high,
             ),
             Self::AmountOff { s_over_k } => format!(
-                "the amount of indirect light is {s_over_k:.2} times the paint's albedo though beta fits the object: {}",
-                if s_over_k > 1.0 {
-                    "part of the cavity may be out of view, or the grey ball brighter than stated"
-                } else {
-                    "the grey ball may be darker than stated"
-                },
+                "the amount of indirect light is {s_over_k:.2} times the paint's albedo though beta fits the object: the grey ball \
+                 may be darker than stated"
             ),
             Self::BeyondBeta { colour, beta, end } => format!(
                 "beta of {} is too {}: parts of the object reflect {end:.4} times as much as in the reference colour, and light \
@@ -192,10 +204,18 @@ pub(super) fn closure(
         let pair = Pair { trial: &trial, colour: c, tiles: &comparable, white_light: white_light? };
         pair.agreeing(in_force[c], unevenness, options)
     };
-    let ends = ends_of_ratio(found.grid, Some(found.indirect));
+    let turn = |c: usize| {
+        let mut changed = in_force.clone();
+        changed[c] *= 1.0 + PERCENT;
+        let changed = trial.run(&all, &changed, normals_options.paint)?;
+        mean_angle_deg(&first.as_ref()?.normals, &changed.normals)
+    };
+    let arriving = Arriving { indirect: found.indirect, light: found.arriving, amount: found.amount.mean };
+    let ends = ends_of_ratio(found.grid, Some(arriving));
     let colours = ends.into_iter().zip(1..).map(|(end, c)| ColourClosure {
         beta: in_force[c],
         object: end.map(|end| ObjectBeta::of(end, agreeing(c))),
+        turn_deg_per_percent: turn(c),
     });
     let colours: Vec<_> = colours.collect();
     let findings = findings(&colours, &found.amount, s_over_k, options);
@@ -209,26 +229,39 @@ fn findings(
     options: &ClosureOptions,
 ) -> Vec<ClosureFinding> {
     let mut findings = Vec::new();
-    for (colour, &ColourClosure { beta, object }) in (1..).zip(colours) {
+    let is_too_much = amount.mean > LARGEST_ALBEDO || s_over_k.is_some_and(|s_over_k| s_over_k > LARGEST_S_OVER_K);
+    for (colour, &ColourClosure { beta, object, .. }) in (1..).zip(colours) {
         let Some(object) = object else { continue };
         let ObjectBeta { estimate, end, .. } = object;
         // An uneven amount tells only that it is uneven; that light is brighter than beta allows counts all the same.
-        if !amount.is_uneven() && object.is_known() && !estimate.interval.contains(beta) {
+        if !amount.is_uneven() && !is_too_much && object.is_known() && !estimate.interval.contains(beta) {
             findings.push(ClosureFinding::BetaOff { colour, beta, object: estimate });
         } else if object.is_beyond(beta) {
             findings.push(ClosureFinding::BeyondBeta { colour, beta, end: end.value });
         }
     }
+    let allowed = options.allowed_difference;
     match s_over_k {
-        _ if amount.is_uneven() => findings.push(ClosureFinding::OutOfView { unevenness: amount.unevenness }),
-        Some(s_over_k) if findings.is_empty() => findings.push(if (s_over_k - 1.0).abs() > options.allowed_difference {
-            ClosureFinding::AmountOff { s_over_k }
-        } else {
-            ClosureFinding::Closed { s_over_k }
+        _ if amount.is_uneven() || is_too_much => {
+            findings.push(ClosureFinding::OutOfView { unevenness: amount.unevenness, s_over_k });
+        }
+        Some(ratio) if findings.is_empty() => findings.push(match ratio {
+            ratio if ratio > 1.0 + allowed => ClosureFinding::OutOfView { unevenness: amount.unevenness, s_over_k },
+            ratio if ratio < 1.0 - allowed => ClosureFinding::AmountOff { s_over_k: ratio },
+            ratio => ClosureFinding::Closed { s_over_k: ratio },
         }),
         _ => {}
     }
     findings
+}
+
+/// `None` where no cell has both normals.
+fn mean_angle_deg(first: &NormalMap, second: &NormalMap) -> Option<f64> {
+    let pairs = (0..first.size().0 * first.size().1).filter_map(|cell| first.at_index(cell).zip(second.at_index(cell)));
+    // By the chord: the arc cosine of numbers near 1 loses small angles.
+    let angles = pairs.map(|(a, b)| 2.0 * (f64::from((a - b).norm()) / 2.0).min(1.0).asin().to_degrees());
+    let (sum, count) = angles.fold((0.0, 0usize), |(sum, count), angle| (sum + angle, count + 1));
+    (count > 0).then(|| sum / count as f64)
 }
 
 /// What is found again for every beta that is tried, on fewer cells.
@@ -246,6 +279,7 @@ struct Trial<'a> {
 struct Outcome {
     tiles: Tiles,
     paint: Option<PaintReport>,
+    normals: NormalMap,
 }
 
 impl<'a> Trial<'a> {
@@ -291,8 +325,8 @@ impl<'a> Trial<'a> {
         let direct = direct_light(&grid, &indirect);
         let surface = Surface { camera: &grid.camera, depth_mm: Some(&self.depth) };
         let options = NormalsOptions { paint, ..self.normals };
-        let report = normals(&placed(&direct, self.lamps), &grid.mask, surface, &options, &Unwatched);
-        Some(Outcome { tiles: Tiles::of(&grid.mask, &fits)?, paint: report.ok()?.1.paint })
+        let (found, report) = normals(&placed(&direct, self.lamps), &grid.mask, surface, &options, &Unwatched).ok()?;
+        Some(Outcome { tiles: Tiles::of(&grid.mask, &fits)?, paint: report.paint, normals: found.map })
     }
 }
 
@@ -308,7 +342,7 @@ struct Pair<'a> {
 impl Pair<'_> {
     /// The logarithm of s over k, and its noise.
     fn difference(&self, beta: f64) -> Option<(f64, f64)> {
-        let Outcome { tiles, paint } = self.trial.run(&[0, self.colour], &[1.0, beta], Paint::One)?;
+        let Outcome { tiles, paint, .. } = self.trial.run(&[0, self.colour], &[1.0, beta], Paint::One)?;
         let (amount, noise) = tiles.mean_of(self.tiles).filter(|(amount, _)| *amount > 0.0)?;
         let albedo = paint?.albedo / self.white_light;
         (albedo > 0.0).then(|| ((amount / albedo).ln(), noise / amount))

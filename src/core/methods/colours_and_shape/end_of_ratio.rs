@@ -24,7 +24,7 @@ pub struct EndOfRatio {
     pub value: f64,
     /// Standard deviation of the ratio of one cell.
     pub noise: f64,
-    /// By how much of itself indirect light keeps the ratio from beta there, as shape and amount tell it; `None` without them.
+    /// By how much of itself indirect light keeps the ratio from beta there, as the shape tells it; `None` without one.
     pub indirect_share: Option<f64>,
 }
 
@@ -35,13 +35,24 @@ struct Sample {
     cell: usize,
 }
 
-/// By colour, the reference left out. `None` where nothing is lit.
-pub(super) fn ends_of_ratio(grid: &Grid, indirect: Option<&[Indirect]>) -> Vec<Option<EndOfRatio>> {
-    let colours = grid.lights.first().map_or(0, |light| light.colours.len());
-    (1..colours).map(|c| end_of_ratio(grid, indirect, c)).collect()
+/// What the shape tells of the light that arrives at every cell.
+#[derive(Clone, Copy)]
+pub(super) struct Arriving<'a> {
+    pub indirect: &'a [Indirect],
+    /// By light, K N_ref.
+    pub light: &'a [Plane],
+    /// s of the whole object. What a window says near the end of the ratio is no evidence: with a beta that was taken from there, no
+    /// indirect light is left there.
+    pub amount: f64,
 }
 
-fn end_of_ratio(grid: &Grid, indirect: Option<&[Indirect]>, c: usize) -> Option<EndOfRatio> {
+/// By colour, the reference left out. `None` where nothing is lit.
+pub(super) fn ends_of_ratio(grid: &Grid, arriving: Option<Arriving>) -> Vec<Option<EndOfRatio>> {
+    let colours = grid.lights.first().map_or(0, |light| light.colours.len());
+    (1..colours).map(|c| end_of_ratio(grid, arriving, c)).collect()
+}
+
+fn end_of_ratio(grid: &Grid, arriving: Option<Arriving>, c: usize) -> Option<EndOfRatio> {
     let sigma = WINDOW_PX / grid.step_px as f64;
     let of_light = |(l, light): (usize, &GridLight)| {
         let [reference, other] = [0, c].map(|c| smoothed(light, c, &grid.mask, sigma));
@@ -69,17 +80,16 @@ fn end_of_ratio(grid: &Grid, indirect: Option<&[Indirect]>, c: usize) -> Option<
         };
         relative(0) + relative(c)
     });
-    let indirect_share = indirect.filter(|all| all.iter().all(|indirect| indirect.amount.is_some()));
-    let indirect_share = indirect_share.map(|indirect| mean(&|sample| share_of(grid, indirect, sample, c).abs()));
+    let indirect_share = arriving.map(|arriving| mean(&|sample| share_of(grid, &arriving, sample, c).abs()));
     Some(EndOfRatio { value, noise: value * (variance / averaged).sqrt(), indirect_share })
 }
 
 /// `N_c' = beta_c (N_ref - (1 - r_c) I)`: what indirect light takes from the ratio, of the whole.
-fn share_of(grid: &Grid, indirect: &[Indirect], sample: &Sample, c: usize) -> f64 {
-    let indirect = &indirect[sample.light];
+fn share_of(grid: &Grid, arriving: &Arriving, sample: &Sample, c: usize) -> f64 {
+    let ratio = f64::from(arriving.indirect[sample.light].ratio[c].at(sample.cell));
     let all = f64::from(grid.lights[sample.light].colours[0].light.data()[sample.cell]);
-    let amount = indirect.amount.as_ref().map_or(0.0, |amount| f64::from(amount.light.data()[sample.cell]));
-    if all > 0.0 { (1.0 - f64::from(indirect.ratio[c].at(sample.cell))) * amount / all } else { 0.0 }
+    let indirect = arriving.amount * f64::from(arriving.light[sample.light].data()[sample.cell]);
+    if all > 0.0 { (1.0 - ratio) * indirect / all } else { 0.0 }
 }
 
 /// A colour of a light, smoothed over the cells where the photos of both colours are usable.

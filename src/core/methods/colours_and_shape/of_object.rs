@@ -2,7 +2,7 @@
 
 use super::end_of_ratio::{EndOfRatio, ends_of_ratio};
 use super::grid::Grid;
-use super::{ColoursAndShapeError, ColoursAndShapeOptions, OnGrid, Photographed};
+use super::{ClosureOptions, ColoursAndShapeError, ColoursAndShapeOptions, OnGrid, Photographed};
 use crate::interval::{Estimate, Interval};
 use crate::separate::LightPhotos;
 use crate::stereo::shape::ShapeOptions;
@@ -12,6 +12,8 @@ use crate::{Portion, Watch};
 const ROUNDS: usize = 3;
 /// Arriving light is computed on at most so many cells: beta needs means only.
 const CELLS: usize = 40_000;
+/// On these larger cells s may differ from k by so much, relative.
+const ALLOWED_DIFFERENCE: f64 = 0.06;
 /// Photos of two colours agree to this share at best (linearity, lens, lamps that drift), as a standard deviation.
 const AGREEMENT: f64 = 0.002;
 /// Where indirect light still takes this share from the end of the ratio, no part of the object is free of it.
@@ -53,7 +55,9 @@ pub fn beta_of_object(
     shape_options: &ShapeOptions,
     watch: &dyn Watch,
 ) -> Result<Vec<ObjectBeta>, ColoursAndShapeError> {
-    let options = ColoursAndShapeOptions { cells: options.cells.min(CELLS), rounds: 1, ..*options };
+    let allowed_difference = options.closure.allowed_difference.max(ALLOWED_DIFFERENCE);
+    let closure = ClosureOptions { allowed_difference, ..options.closure };
+    let options = ColoursAndShapeOptions { cells: options.cells.min(CELLS), rounds: 1, closure, ..*options };
     options.check()?;
     for light in photographed.lights {
         light.check()?;
@@ -148,5 +152,45 @@ impl ObjectBeta {
             (None, None) => Some(BetaDoubt::NoShape),
         };
         Self { estimate, end, agreeing, doubt }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn end(value: f64, indirect_share: Option<f64>) -> EndOfRatio {
+        EndOfRatio { value, noise: 1e-4, indirect_share }
+    }
+
+    fn agreeing(value: f64) -> Option<Estimate> {
+        Some(Estimate { value, interval: Interval::around(value, 0.01 * value) })
+    }
+
+    /// Both err away from 1's side: the larger of two below 1, the smaller of two above.
+    #[test]
+    fn the_estimate_that_indirect_light_spoils_less_is_taken() {
+        for (ends, agrees, taken) in [(0.50, 0.49, 0.50), (0.47, 0.50, 0.50), (2.0, 2.04, 2.0), (2.1, 2.0, 2.0)] {
+            let told = ObjectBeta::of(end(ends, Some(0.06)), agreeing(agrees));
+            assert_eq!(told.estimate.value, taken, "{told:?}");
+            assert!(told.estimate.interval.contains(taken), "{told:?}");
+        }
+    }
+
+    #[test]
+    fn an_end_in_light_from_other_walls_is_a_bound_and_said_to_be() {
+        let free = ObjectBeta::of(end(0.5, Some(0.0)), None);
+        assert!(free.is_known() && free.doubt.is_none() && free.estimate.relative_half_width() < 0.006, "{free:?}");
+        let cavity = ObjectBeta::of(end(0.475, Some(0.06)), None);
+        assert!(!cavity.is_known() && cavity.estimate.interval.contains(0.505), "{cavity:?}");
+        assert!(cavity.doubt_words("green").unwrap().contains("beta of green is a guess"));
+    }
+
+    #[test]
+    fn estimates_that_contradict_each_other_are_told() {
+        let told = ObjectBeta::of(end(0.5, Some(0.0)), agreeing(0.45));
+        assert_eq!(told.doubt, Some(BetaDoubt::Disagree));
+        assert!(told.is_beyond(0.49) && !told.is_beyond(0.51));
+        assert!(ObjectBeta::of(end(2.0, None), None).is_beyond(2.1));
     }
 }
