@@ -250,10 +250,8 @@ fn colours_and_shape_lines(report: &Report, record: &ColoursAndShapeRecord) -> V
             left_out.to_string(),
         ]);
     }
-    let mut lines = vec![
-        format!("{}: colours and shape, {} object pixels", report.set.name, report.set.mask_pixels),
-        table(&rows),
-    ];
+    let mut lines =
+        vec![format!("{}: colours and shape, {} object pixels", report.set.name, report.set.mask_pixels), table(&rows)];
     lines.extend(record.line());
     lines.extend(record.verdict.iter().map(|line| format!("  {line}")));
     lines.push(format!("separation: {}", report.trust.level));

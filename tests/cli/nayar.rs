@@ -41,7 +41,7 @@ fn one_colour_and_a_grey_ball_are_enough() {
     assert_eq!(firstbounce(place.path(), ["calibrate", "tiny"]).code, 0);
 
     let report = run(place.path(), &["solve", "tiny", "--json"]).json();
-    assert_eq!(report["method"], "nayar");
+    assert_eq!(report["method"], "shape");
     let nayar = &report["nayar"];
     assert_eq!(nayar["ending"], "converged");
     // The grey ball is 0.4 under a lamp of intensity 1: white is 1.

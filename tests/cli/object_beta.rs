@@ -11,7 +11,8 @@ use crate::run::firstbounce;
 fn beta_of_a_simulated_bowl_is_measured_on_the_object() {
     let place = tempfile::tempdir().unwrap();
     let place = place.path();
-    let bowl = ["simulate", "bowl", "--out", "set", "--pixels", "120", "--patches", "400", "--ball-pixels", "96", "--json"];
+    let bowl =
+        ["simulate", "bowl", "--out", "set", "--pixels", "120", "--patches", "400", "--ball-pixels", "96", "--json"];
     firstbounce(place, bowl).json();
     let toml = fs::read_to_string(place.join("set/capture.toml")).unwrap();
     let rig: Value = serde_json::from_str(&fs::read_to_string(place.join("set/truth/rig.json")).unwrap()).unwrap();

@@ -17,7 +17,8 @@ use super::methods::{white_light, white_light_if_known};
 use super::watch::Part;
 use super::{
     AlbedoScale, Calibrated, Found, Input, Known, Method, MethodReport, ObjectLevels, ObjectPhotos, PhotoStore,
-    PipelineError, PipelineWatch, Scene, Stage, StageCost, Surface, calibrate_for, judge, load_object, trust::judge_method,
+    PipelineError, PipelineWatch, Scene, Stage, StageCost, Surface, calibrate_for, judge, load_object,
+    trust::judge_method,
 };
 use crate::set::{CaptureSet, ShapeSettings};
 

@@ -138,7 +138,7 @@ mod tests {
     use firstbounce_core::trust::{Level, Names, Reason};
 
     use super::*;
-    use crate::pipeline::{PhotoStore, SolveOptions, Unattended, calibrate_for, evaluate, load_object};
+    use crate::pipeline::{Method, PhotoStore, SolveOptions, Unattended, calibrate_for, evaluate, load_object};
 
     fn demo() -> CaptureSet {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/demo");
@@ -148,7 +148,8 @@ mod tests {
     fn verdict(set: &CaptureSet) -> Trust {
         let object = load_object(set, &PhotoStore::default(), &Unattended).unwrap();
         let levels = ObjectLevels::of(set, &object);
-        let calibrated = calibrate_for(&demo(), &object, &SolveOptions::default(), &PhotoStore::default(), &Unattended).unwrap();
+        let calibrated =
+            calibrate_for(&demo(), &object, &SolveOptions::default(), &PhotoStore::default(), &Unattended).unwrap();
         judge(set, &levels, &calibrated, &TrustOptions { bounces: 2, ..TrustOptions::default() }).unwrap()
     }
 
@@ -179,7 +180,7 @@ mod tests {
         for (name, bounces) in [("corner-blue", 1), ("corner-blue", 2), ("groove-rgb", 2), ("bowl-four", 2)] {
             let Some(folder) = firstbounce_testing::shared_set(name) else { continue };
             let set = CaptureSet::open(&folder).unwrap();
-            let options = SolveOptions { bounces: Some(bounces), ..Default::default() };
+            let options = SolveOptions { bounces: Some(bounces), method: Method::Colours, ..Default::default() };
             let truth = evaluate(&set, &options, &Unattended).unwrap();
             let object = load_object(&set, &PhotoStore::default(), &Unattended).unwrap();
             let calibrated = calibrate_for(&set, &object, &options, &PhotoStore::default(), &Unattended).unwrap();

@@ -2,7 +2,7 @@
 //! and no noise is that of a difference.
 
 use super::reason::{Found, sorted};
-use super::{Level, Limits, LightTrust, NormalTrust, Reason, Trust};
+use super::{Level, LightTrust, Limits, NormalTrust, Reason, Trust};
 use crate::interval::Estimate;
 use crate::methods::colours_and_shape::{ClosureFinding, ClosureReport, ColourClosure};
 use crate::separate::SeparateReport;

@@ -90,7 +90,8 @@ impl ColoursAndShapeRecord {
     /// Albedo and amount in a line; `None` without a shape.
     pub fn line(&self) -> Option<String> {
         let amount = self.amount?;
-        let range = format!("amount of indirect light s {:.3}, uneven by {:.0} %", amount.mean, 100.0 * amount.unevenness);
+        let range =
+            format!("amount of indirect light s {:.3}, uneven by {:.0} %", amount.mean, 100.0 * amount.unevenness);
         Some(match self.k.zip(self.s_over_k) {
             Some((k, ratio)) => format!("albedo k {k:.4}; {range}; s / k {ratio:.3}"),
             None => format!("{range}; the grey ball's albedo would give the paint's to compare it with"),

@@ -7,7 +7,8 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::{
-    CalibrationRecord, ColoursAndShapeRecord, ExportRecord, InputRecord, NayarRecord, OptionsRecord, TrustRecord, input_records, unit_word,
+    CalibrationRecord, ColoursAndShapeRecord, ExportRecord, InputRecord, NayarRecord, OptionsRecord, TrustRecord,
+    input_records, unit_word,
 };
 use crate::image_file::GreenAxis;
 use crate::pipeline::{Solved, StageCost, Surface};

@@ -283,12 +283,7 @@ struct Outcome {
 }
 
 impl<'a> Trial<'a> {
-    fn new(
-        found: &Found,
-        lamps: &'a [Option<(Lamp, f64)>],
-        options: &ClosureOptions,
-        normals: NormalsOptions,
-    ) -> Self {
+    fn new(found: &Found, lamps: &'a [Option<(Lamp, f64)>], options: &ClosureOptions, normals: NormalsOptions) -> Self {
         let cells = found.grid.mask.count() as f64;
         let every = ((cells / options.cells as f64).sqrt().ceil() as usize).max(1);
         Self {
@@ -352,7 +347,8 @@ impl Pair<'_> {
     fn agreeing(&self, beta: f64, unevenness: f64, options: &ClosureOptions) -> Option<Estimate> {
         let allowed = |log: f64| {
             let tried = log.exp();
-            if beta < 1.0 { tried.clamp(0.01, 1.0 - MIN_BETA_DISTANCE) } else { tried.max(1.0 + MIN_BETA_DISTANCE) }.ln()
+            if beta < 1.0 { tried.clamp(0.01, 1.0 - MIN_BETA_DISTANCE) } else { tried.max(1.0 + MIN_BETA_DISTANCE) }
+                .ln()
         };
         let (mut last, mut at) = (beta.ln(), allowed(beta.ln() - FIRST_STEP));
         let mut last_difference = self.difference(last.exp())?.0;

@@ -95,9 +95,8 @@ fn share_of(grid: &Grid, arriving: &Arriving, sample: &Sample, c: usize) -> f64 
 /// A colour of a light, smoothed over the cells where the photos of both colours are usable.
 fn smoothed(light: &GridLight, c: usize, mask: &Mask, sigma: f64) -> Plane {
     let photo = &light.colours[c];
-    let usable = |cell: usize| {
-        mask.data()[cell] && light.colours.iter().all(|photo| photo.precision.data()[cell] > 0.0)
-    };
+    let usable =
+        |cell: usize| mask.data()[cell] && light.colours.iter().all(|photo| photo.precision.data()[cell] > 0.0);
     let data = (0..mask.data().len()).into_par_iter();
     let data = data.map(|cell| if usable(cell) { photo.light.data()[cell] } else { 0.0 }).collect();
     let plane = Plane::from_vec(mask.width(), mask.height(), data).unwrap_or_default();

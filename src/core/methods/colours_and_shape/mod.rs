@@ -165,16 +165,12 @@ pub fn separate_by_colours_and_shape(
     options.check()?;
     photographed.check()?;
     let steps = 2 * options.rounds + 2;
-    let on_grid = OnGrid::find(photographed, options, shape_options, &|step| Portion::of(watch, step, steps), on_shape)?;
+    let on_grid =
+        OnGrid::find(photographed, options, shape_options, &|step| Portion::of(watch, step, steps), on_shape)?;
     let closure = on_grid.closure(photographed, options, shape_options);
     let OnGrid { grid, even, indirect, amount, no_shape, .. } = on_grid;
-    let separated = apply::apply(
-        photographed.lights,
-        photographed.mask,
-        &grid,
-        &indirect,
-        &Portion::of(watch, steps - 1, steps),
-    );
+    let separated =
+        apply::apply(photographed.lights, photographed.mask, &grid, &indirect, &Portion::of(watch, steps - 1, steps));
     let separated = separated.ok_or(ColoursAndShapeError::Cancelled)?;
     let report = ColoursAndShapeReport {
         step_px: grid.step_px,
