@@ -29,10 +29,18 @@ pub struct AmountReport {
     pub noise: f64,
 }
 
+/// Where noise alone leaves the mean uncertain by more than this, parts of the object differ by noise: hardly any light arrives.
+const LARGEST_NOISE: f64 = 0.005;
+
 impl AmountReport {
     /// Whether walls that send light are likely out of view.
     pub fn is_uneven(&self) -> bool {
-        self.unevenness > MAX_UNEVENNESS
+        self.is_known() && self.unevenness > MAX_UNEVENNESS
+    }
+
+    /// Whether enough light arrives to say anything of its amount.
+    pub fn is_known(&self) -> bool {
+        self.noise < LARGEST_NOISE
     }
 }
 

@@ -197,9 +197,10 @@ pub(super) fn closure(
     let albedo = paint_light.zip(white_light).map(|(light, white)| light / white);
     let comparable = first.as_ref().map_or_else(Vec::new, |first| first.tiles.comparable());
     let amount = first.as_ref().and_then(|first| first.tiles.mean_of(&comparable)).map(|(amount, _)| amount);
+    let amount = amount.filter(|_| found.amount.is_known());
     let s_over_k = amount.zip(albedo).map(|(amount, albedo)| amount / albedo);
     let unevenness = if found.amount.is_uneven() { found.amount.unevenness } else { 0.0 };
-    let white_light = white_light.filter(|_| albedo.is_some());
+    let white_light = white_light.filter(|_| albedo.is_some() && found.amount.is_known());
     let agreeing = |c: usize| {
         let pair = Pair { trial: &trial, colour: c, tiles: &comparable, white_light: white_light? };
         pair.agreeing(in_force[c], unevenness, options)
@@ -229,7 +230,8 @@ fn findings(
     options: &ClosureOptions,
 ) -> Vec<ClosureFinding> {
     let mut findings = Vec::new();
-    let is_too_much = amount.mean > LARGEST_ALBEDO || s_over_k.is_some_and(|s_over_k| s_over_k > LARGEST_S_OVER_K);
+    let is_too_much = amount.is_known()
+        && (amount.mean > LARGEST_ALBEDO || s_over_k.is_some_and(|s_over_k| s_over_k > LARGEST_S_OVER_K));
     for (colour, &ColourClosure { beta, object, .. }) in (1..).zip(colours) {
         let Some(object) = object else { continue };
         let ObjectBeta { estimate, end, .. } = object;

@@ -1,6 +1,6 @@
 //! Beta from the object itself, where there is no ball of its paint. See "Beta without a ball of the paint" in [`crate::method`].
 
-use super::end_of_ratio::{EndOfRatio, ends_of_ratio};
+use super::end_of_ratio::{Arriving, EndOfRatio, ends_of_ratio};
 use super::grid::Grid;
 use super::{ClosureOptions, ColoursAndShapeError, ColoursAndShapeOptions, OnGrid, Photographed};
 use crate::interval::{Estimate, Interval};
@@ -77,11 +77,24 @@ pub fn beta_of_object(
         }
         let part = |step: usize| Portion::of(watch, 2 * round + step, 2 * ROUNDS);
         let on_grid = OnGrid::find(&photographed, &options, shape_options, &part, &mut |_| {})?;
-        let Some(closure) = on_grid.closure(&photographed, &options, shape_options) else { break };
+        let Some(closure) = on_grid.closure(&photographed, &options, shape_options) else {
+            found = on_grid.ends_without_arriving_light().unwrap_or(found);
+            break;
+        };
         let told: Option<Vec<_>> = closure.colours.into_iter().map(|colour| colour.object).collect();
         found = told.unwrap_or(found);
     }
     Ok(found)
+}
+
+impl OnGrid {
+    /// Where a shape was found on which no light arrives anywhere, the ends are free of it; `None` without a shape.
+    fn ends_without_arriving_light(&self) -> Option<Vec<ObjectBeta>> {
+        self.shape.as_ref()?;
+        let arriving = Arriving { indirect: &self.indirect, light: &self.arriving, amount: 1.0 };
+        let ends = ends_of_ratio(&self.grid, Some(arriving)).into_iter();
+        ends.map(|end| Some(ObjectBeta::of(end?, None))).collect()
+    }
 }
 
 impl ObjectBeta {
