@@ -8,7 +8,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::write_kept_file;
 use firstbounce_capture::light_file::{CarriedLights, LightFile};
 use firstbounce_capture::open::read_text;
-use firstbounce_capture::pipeline::{Calibrated, Preference, Source, Work, calibrate};
+use firstbounce_capture::pipeline::{Calibrated, Preference, Source, Work, calibrate_also_on_object};
 use firstbounce_capture::report::{CalibrationRecord, Row};
 use firstbounce_capture::set::write_calibration;
 
@@ -40,7 +40,7 @@ pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     args.memory.check(&set, Work::Calibrate)?;
     let carried = args.lights_from.as_deref().map(|path| take_lights(&mut set, path)).transpose()?;
     let preference = if carried.is_some() { Preference::BallsUnderGivenLights } else { Preference::Balls };
-    let calibrated = calibrate(&set, preference, &terminal);
+    let calibrated = calibrate_also_on_object(&set, preference, &terminal);
     terminal.finish();
     let mut calibrated = calibrated?;
     if let Some(carried) = &carried {

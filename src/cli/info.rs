@@ -124,7 +124,7 @@ fn lacks(set: &CaptureSet) -> Vec<String> {
         ),
         (
             several && no_ball_for(BallValue::Beta) && given.beta.is_none(),
-            "beta: photograph a ball of the object's paint, or type it",
+            "beta: photograph a ball of the object's paint, or type it; without, it is measured on the object",
         ),
         (
             no_ball_for(BallValue::Direction) && !all(&placed),

@@ -9,7 +9,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::{WriteError, refuse_links};
 use firstbounce_capture::export::{OutputOptions, stage_results, write_solved};
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Work, solve};
-use firstbounce_capture::report::{NayarRecord, Report};
+use firstbounce_capture::report::{ColoursAndShapeRecord, NayarRecord, Report};
 use firstbounce_capture::set::Word;
 use firstbounce_core::methods::by_shape::ByShapeOptions;
 use firstbounce_core::stereo::normals::Paint;
@@ -184,9 +184,10 @@ pub fn default_place(name: impl AsRef<Path>) -> Result<PathBuf, WriteError> {
 
 /// The summary of a finished run, for the user.
 fn summary(report: &Report, folder: &Path) -> String {
-    let mut lines = match (&report.nayar, report.method) {
+    let mut lines = match (&report.nayar, &report.colours_and_shape) {
         (Some(nayar), _) => nayar_lines(report, nayar),
-        (None, _) => separation_lines(report),
+        (None, Some(record)) => colours_and_shape_lines(report, record),
+        (None, None) => separation_lines(report),
     };
     lines.extend(result_lines(report, folder));
     lines.join("\n")
@@ -242,6 +243,32 @@ fn nayar_lines(report: &Report, nayar: &NayarRecord) -> Vec<String> {
             nayar.white_light_source
         ),
     ]
+}
+
+fn colours_and_shape_lines(report: &Report, record: &ColoursAndShapeRecord) -> Vec<String> {
+    let mut rows = vec![row(["light", "mean direct light", "its noise", "mean indirect light", "pixels left out"])];
+    for ((light, separation), words) in report.separation.iter().zip(record.light.values()) {
+        let left_out = separation.unsolved_clipped_pixels + separation.unsolved_dark_pixels;
+        rows.push(vec![
+            light.clone(),
+            format!("{:.4}", words.mean_direct),
+            separation.noise.first().map_or_else(String::new, |noise| format!("{noise:.5}")),
+            format!("{:.4}", words.mean_indirect),
+            left_out.to_string(),
+        ]);
+    }
+    let mut lines =
+        vec![format!("{}: colours and shape, {} object pixels", report.set.name, report.set.mask_pixels), table(&rows)];
+    lines.extend(record.line());
+    lines.extend(record.verdict.iter().map(|line| format!("  {line}")));
+    lines.push(format!("separation: {}", report.trust.level));
+    lines.extend(report.trust.normal.map(|normal| {
+        format!(
+            "  expected error of normals: {:.2} degrees by noise, {:.2} by the interval of beta",
+            normal.denoised_noise_deg, normal.calibration_deg
+        )
+    }));
+    lines
 }
 
 fn separation_lines(report: &Report) -> Vec<String> {

@@ -51,7 +51,8 @@ impl Place<'_> {
     /// one paint will do ([`Paint::Auto`]).
     pub fn by_colours_and_shape(&self, lights: &[LightPhotos], watch: &dyn Watch) -> Result<ColoursAndShape, LabError> {
         let lamps: Vec<_> = self.lamps.iter().copied().map(Some).collect();
-        let photographed = Photographed { lights, lamps: &lamps, mask: self.mask, camera: self.camera };
+        let photographed =
+            Photographed { lights, lamps: &lamps, mask: self.mask, camera: self.camera, white_light: None };
         let normals = NormalsOptions { paint: Paint::Auto, ..NormalsOptions::default() };
         let shape = ShapeOptions { normals, ..ShapeOptions::default() };
         let options = ColoursAndShapeOptions::default();

@@ -19,6 +19,7 @@ mod memory;
 mod nayar;
 mod no_window;
 mod numbers;
+mod object_beta;
 #[cfg(unix)]
 mod readers;
 mod run;

@@ -13,11 +13,12 @@ use firstbounce_core::stereo::shape::{Shape, ShapeOptions, recover_shape};
 use firstbounce_core::trust::{Trust, TrustOptions};
 use firstbounce_core::{Camera, Marks, Mesh, Plane, Watch};
 
-use super::methods::white_light;
+use super::methods::{white_light, white_light_if_known};
 use super::watch::Part;
 use super::{
     AlbedoScale, Calibrated, Found, Input, Known, Method, MethodReport, ObjectLevels, ObjectPhotos, PhotoStore,
     PipelineError, PipelineWatch, Scene, Stage, StageCost, Surface, calibrate_for, judge, load_object,
+    trust::judge_method,
 };
 use crate::set::{CaptureSet, ShapeSettings};
 
@@ -159,9 +160,8 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
     let store = PhotoStore::default();
     let mut stages = Vec::new();
     let object = StageCost::measure(&mut stages, Stage::Load, || load_object(&seen, &store, watch))?;
-    let bounces = options.calibrated_bounces_of(&seen);
     let calibrated =
-        StageCost::measure(&mut stages, Stage::Calibrate, || calibrate_for(&seen, bounces, &store, watch))?;
+        StageCost::measure(&mut stages, Stage::Calibrate, || calibrate_for(&seen, &object, options, &store, watch))?;
     // The balls' photos are not looked at any more.
     drop(store);
     let scene = Scene { set: Cow::Borrowed(set), object: Cow::Owned(object), calibrated: Cow::Owned(calibrated) };
@@ -181,8 +181,6 @@ pub fn reconstruct(
     let lit = find_light(scene, shape_before, options, &mut stages, watch)?;
     let Lit { set, scene, raw, before: shape_before, found } = lit;
     let Found { separated, indirect, direct, shape, report } = found;
-    let trust_options = options.trust(options.calibrated_bounces_of(&scene.set));
-    let trust = judge(&scene.set, &ObjectLevels::of(&scene.set, &scene.object), &scene.calibrated, &trust_options)?;
 
     let camera = scene.camera();
     let surface = |shape: Arc<Shape>, stages: &mut Vec<StageCost>| {
@@ -201,6 +199,13 @@ pub fn reconstruct(
     let after = match shape.and_then(|shape| surface(shape, &mut stages)) {
         Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
         after => after,
+    };
+    let trust = match report.colours_and_shape() {
+        Some(solved) => judge_method(&scene, &separated.reports, solved, after.as_ref().ok()),
+        None => {
+            let levels = ObjectLevels::of(&scene.set, &scene.object);
+            judge(&scene.set, &levels, &scene.calibrated, &options.trust(options.calibrated_bounces_of(&scene.set)))?
+        }
     };
     let before = match (&after, before, shape_before) {
         (Err(_), ..) => None,
@@ -267,14 +272,20 @@ pub fn find_light<'a>(
     Ok(Lit { set, scene, raw, before, found })
 }
 
-/// The light of a white facet, for methods that need it.
+/// The light of a white facet, for methods that need it, and where it is known for those that use it.
 pub(super) fn white_light_for(
     scene: &Scene,
     options: &SolveOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Option<Known<f64>>, PipelineError> {
-    let find = || white_light(&scene.set, &scene.calibrated, &options.scale, watch);
-    options.method.needs().absolute_albedo.then(find).transpose()
+    let (set, calibrated, scale) = (&scene.set, &scene.calibrated, &options.scale);
+    if options.method.needs().absolute_albedo {
+        white_light(set, calibrated, scale, watch).map(Some)
+    } else if options.method.compares_albedo() {
+        white_light_if_known(set, calibrated, scale, watch)
+    } else {
+        Ok(None)
+    }
 }
 
 /// The reference colour's photos as if all their light had bounced once: what photometric stereo sees uncorrected.

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use firstbounce_core::Photo;
 use firstbounce_core::interval::Estimate;
-use firstbounce_core::separate::typical_light;
+use firstbounce_core::separate::{SeparateReport, typical_light};
 use firstbounce_core::stereo::normals::Lamp;
-use firstbounce_core::trust::{self, LightLevels, Rig, Trust, TrustOptions};
+use firstbounce_core::trust::{self, ByShapeLevels, LightLevels, Limits, Rig, Trust, TrustOptions};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
-use super::{Calibrated, Known, ObjectPhotos, PipelineError};
+use super::{Calibrated, ColoursAndShapeSolved, Known, ObjectPhotos, PipelineError, Scene, Surface};
 use crate::set::{CaptureSet, Light, Subject};
 
 /// Enough pixels for a mean.
@@ -68,6 +68,23 @@ pub fn judge(
     Ok(trust::judge(&rig_of(set, levels, calibrated)?, options)?)
 }
 
+/// Judges what colours and shape together found, by the method's own numbers.
+pub(super) fn judge_method(
+    scene: &Scene,
+    lights: &[SeparateReport],
+    solved: &ColoursAndShapeSolved,
+    surface: Option<&Surface>,
+) -> Trust {
+    let beta = scene.calibrated.beta.as_deref().map_or_else(Vec::new, estimates);
+    let levels = ByShapeLevels {
+        lights,
+        normal_noise_deg: surface.map(|surface| surface.shape.report.normals.mean_noise_deg),
+        beta: &beta,
+        closure: solved.report.closure.as_ref(),
+    };
+    trust::judge_colours_and_shape(&levels, &Limits::default())
+}
+
 /// Everything that a verdict depends on but the order m. A value that the set's file gives goes before a measured one, as
 /// when the set is calibrated: a typed beta counts at once.
 pub fn rig_of(set: &CaptureSet, levels: &ObjectLevels, calibrated: &Calibrated) -> Result<Rig, PipelineError> {
@@ -121,7 +138,7 @@ mod tests {
     use firstbounce_core::trust::{Level, Names, Reason};
 
     use super::*;
-    use crate::pipeline::{PhotoStore, Unattended, calibrate_for, evaluate, load_object};
+    use crate::pipeline::{Method, PhotoStore, SolveOptions, Unattended, calibrate_for, evaluate, load_object};
 
     fn demo() -> CaptureSet {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/demo");
@@ -131,7 +148,8 @@ mod tests {
     fn verdict(set: &CaptureSet) -> Trust {
         let object = load_object(set, &PhotoStore::default(), &Unattended).unwrap();
         let levels = ObjectLevels::of(set, &object);
-        let calibrated = calibrate_for(&demo(), 2, &PhotoStore::default(), &Unattended).unwrap();
+        let calibrated =
+            calibrate_for(&demo(), &object, &SolveOptions::default(), &PhotoStore::default(), &Unattended).unwrap();
         judge(set, &levels, &calibrated, &TrustOptions { bounces: 2, ..TrustOptions::default() }).unwrap()
     }
 
@@ -162,10 +180,10 @@ mod tests {
         for (name, bounces) in [("corner-blue", 1), ("corner-blue", 2), ("groove-rgb", 2), ("bowl-four", 2)] {
             let Some(folder) = firstbounce_testing::shared_set(name) else { continue };
             let set = CaptureSet::open(&folder).unwrap();
-            let options = crate::pipeline::SolveOptions { bounces: Some(bounces), ..Default::default() };
+            let options = SolveOptions { bounces: Some(bounces), method: Method::Colours, ..Default::default() };
             let truth = evaluate(&set, &options, &Unattended).unwrap();
             let object = load_object(&set, &PhotoStore::default(), &Unattended).unwrap();
-            let calibrated = calibrate_for(&set, bounces, &PhotoStore::default(), &Unattended).unwrap();
+            let calibrated = calibrate_for(&set, &object, &options, &PhotoStore::default(), &Unattended).unwrap();
             let levels = ObjectLevels::of(&set, &object);
             let trust = judge(&set, &levels, &calibrated, &TrustOptions { bounces, ..Default::default() }).unwrap();
             let error = 100.0 * truth.bounce_relative_error[0];

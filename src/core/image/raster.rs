@@ -103,6 +103,18 @@ impl<T: Copy + Send + Sync> Raster<T> {
     }
 }
 
+impl<T: Copy> Raster<T> {
+    /// Every so many-th pixel along columns and rows alone, the first of each among them.
+    pub fn thinned(&self, every: usize) -> Self {
+        if every <= 1 {
+            return self.clone();
+        }
+        Self::from_fn(self.width.div_ceil(every), self.height.div_ceil(every), |x, y| {
+            self.data[y * every * self.width + x * every]
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

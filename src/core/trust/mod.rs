@@ -10,6 +10,7 @@ mod lamps;
 mod options;
 mod pair;
 mod reason;
+mod shape;
 mod truncation;
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -18,6 +19,7 @@ pub use advice::Advice;
 pub use options::{Limits, TrustOptions, TwoLimits};
 pub use pair::{ColourPair, gain_of_ratio, pairs};
 pub use reason::{NO_DIRECTION_DEG, Names, Reason};
+pub use shape::{ByShapeLevels, judge_colours_and_shape};
 
 use crate::denoise::denoised_noise;
 use crate::interval::Estimate;

@@ -2,6 +2,7 @@
 
 use super::calibration::sources;
 use super::{Level, LightTrust, NormalTrust, Rig, TrustOptions, TwoLimits, values};
+use crate::methods::colours_and_shape::ClosureFinding;
 use crate::separate::{BounceSystem, closest_pair};
 
 /// A colour darker than this share of the reference sends too little light to measure bounces by.
@@ -91,6 +92,15 @@ pub enum Reason {
         /// Whether its beta (else its alpha) does.
         is_beta: bool,
     },
+    /// The interval of beta is wide enough to bend the normals, by the method that uses the shape.
+    BetaBend {
+        /// Mean angle.
+        degrees: f64,
+        /// The colour that matters most.
+        colour: usize,
+    },
+    /// What the amount of indirect light and the ends of the colour ratios say of beta.
+    Closure(ClosureFinding),
     /// Light of more than m bounces.
     Truncation {
         /// What it adds to bounce 1, in percent of it.
@@ -151,6 +161,11 @@ impl Reason {
                 names.colour(*colour),
                 names.light(*light)
             ),
+            Self::BetaBend { degrees, colour } => format!(
+                "the interval of beta of {} leaves normals uncertain by {degrees:.1} degrees",
+                names.colour(*colour)
+            ),
+            Self::Closure(finding) => finding.words(names.colours),
             Self::Truncation { percent, bounces, light } => truncation_words(*percent, *bounces, names.light(*light)),
             Self::ReturnsTooMuch { share, light } => format!(
                 "with these alpha and beta the object would send {:.0} % of its light back to itself under light {}: \
@@ -198,13 +213,13 @@ pub(super) fn rounded(value: f64) -> String {
 
 impl TwoLimits {
     /// A reason with its level, and how many times the limit of care its value is.
-    fn judged(self, value: f64, reason: Reason) -> Found {
+    pub(super) fn judged(self, value: f64, reason: Reason) -> Found {
         Found { level: self.level(value), excess: value / self.care, reason }
     }
 }
 
 /// A reason before it is sorted.
-struct Found {
+pub(super) struct Found {
     level: Level,
     excess: f64,
     reason: Reason,
@@ -213,6 +228,10 @@ struct Found {
 impl Found {
     fn hopeless(reason: Reason) -> Self {
         Self { level: Level::DoNotTrust, excess: f64::INFINITY, reason }
+    }
+
+    pub(super) fn care(reason: Reason) -> Self {
+        Self { level: Level::TakeCare, excess: 1.0, reason }
     }
 }
 
@@ -247,8 +266,13 @@ pub(super) fn reasons(
     }
     found.extend(truncation_reason(lights, options));
     if rig.beta.len() == 1 {
-        found.push(Found { level: Level::TakeCare, excess: 1.0, reason: Reason::OneColour });
+        found.push(Found::care(Reason::OneColour));
     }
+    sorted(found)
+}
+
+/// Those above `Fine`, the worst first.
+pub(super) fn sorted(mut found: Vec<Found>) -> Vec<(Level, Reason)> {
     found.retain(|found| found.level > Level::Fine);
     found.sort_by(|a, b| b.level.cmp(&a.level).then(b.excess.total_cmp(&a.excess)));
     found.into_iter().map(|found| (found.level, found.reason)).collect()

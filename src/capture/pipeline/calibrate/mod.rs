@@ -11,7 +11,8 @@ use firstbounce_core::sphere::CircleReport;
 
 use balls::BallPhotos;
 
-use super::{PhotoStore, PipelineError, PipelineWatch, Stage};
+use super::methods::add_beta_of_object;
+use super::{ObjectPhotos, PhotoStore, PipelineError, PipelineWatch, SolveOptions, Stage, load_object};
 use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
 
 pub(in crate::pipeline) use balls::needed_subjects;
@@ -30,6 +31,8 @@ pub enum Source {
     GreyBall,
     /// The ball of the object's paint.
     MaterialBall,
+    /// The object itself: the end of its colour ratios, and the amount of its indirect light.
+    Object,
     /// The highlight on the mirror ball.
     MirrorBall,
     /// The grey ball's shading.
@@ -51,6 +54,7 @@ impl Source {
             Self::LightFile => "light file",
             Self::GreyBall => "grey ball",
             Self::MaterialBall => "ball of the paint",
+            Self::Object => "measured on the object",
             Self::MirrorBall => "mirror ball",
             Self::Shading => "grey ball's shading",
             Self::MirrorAndShading => "mirror ball and grey ball's shading",
@@ -84,7 +88,7 @@ impl Known<f64> {
         Self { value: 1.0, interval: Some([1.0; 2]), source: Source::Definition, pixels: None }
     }
 
-    fn measured(estimate: Estimate, source: Source, pixels: Option<BallPixels>) -> Self {
+    pub(super) fn measured(estimate: Estimate, source: Source, pixels: Option<BallPixels>) -> Self {
         let interval = [estimate.interval.low, estimate.interval.high];
         Self { value: estimate.value, interval: Some(interval), source, pixels }
     }
@@ -243,16 +247,38 @@ pub fn calibrate_with(
     measure::Measuring::new(set, preference, &photos)?.run()
 }
 
-/// Calibrates a set for the separation of `bounces` bounces, and makes sure that its colours can tell them apart.
+/// As [`calibrate`]; beta that no ball and no file gives is measured on the object where that is possible.
+pub fn calibrate_also_on_object(
+    set: &CaptureSet,
+    preference: Preference,
+    watch: &dyn PipelineWatch,
+) -> Result<Calibrated, PipelineError> {
+    let store = PhotoStore::default();
+    let mut calibrated = calibrate_with(set, preference, &store, watch)?;
+    if calibrated.beta.is_none() && calibrated.alpha.iter().all(Option::is_some) {
+        // Balls are of use without an object too.
+        match load_object(set, &store, watch) {
+            Ok(object) => add_beta_of_object(set, &object, &mut calibrated, &SolveOptions::of(set), watch)?,
+            Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
+            Err(error) => calibrated.warnings.push(format!("beta is not known: no ball of the paint, and {error}")),
+        }
+    }
+    Ok(calibrated)
+}
+
+/// Calibrates a set to be solved as `options` say, and makes sure that its colours can tell the bounces apart. A beta that no ball
+/// and no file gives is measured on the object.
 pub fn calibrate_for(
     set: &CaptureSet,
-    bounces: usize,
+    object: &ObjectPhotos,
+    options: &SolveOptions,
     store: &PhotoStore,
     watch: &dyn PipelineWatch,
 ) -> Result<Calibrated, PipelineError> {
-    let calibrated = calibrate_with(set, Preference::File, store, watch)?;
+    let mut calibrated = calibrate_with(set, Preference::File, store, watch)?;
+    add_beta_of_object(set, object, &mut calibrated, options, watch)?;
     let beta = calibrated.beta_values()?;
-    if bounces > 1
+    if options.calibrated_bounces_of(set) > 1
         && let Some(problem) = set.check_beta_distances(&beta).into_iter().next()
     {
         return Err(PipelineError::Beta(problem));

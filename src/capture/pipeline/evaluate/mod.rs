@@ -40,7 +40,7 @@ pub fn evaluate(
     let store = PhotoStore::default();
     let object = load_object(set, &store, watch)?;
     let truth = Truth::of(set, object.mask.size())?;
-    let calibrated = calibrate_for(set, options.calibrated_bounces_of(set), &store, watch)?;
+    let calibrated = calibrate_for(set, &object, options, &store, watch)?;
     drop(store);
     let scene = Scene::of(set, &object, &calibrated);
 

@@ -11,6 +11,7 @@ pub(super) const ROW: Row = Row {
     title: "the paper's method",
     purpose: "Photos in several colours tell the bounces apart (Liao, Huang and Yang 2011)",
     needs: Needs { all_colours: true, absolute_albedo: false, surface_before: false },
+    compares_albedo: false,
     one_paint: false,
     stage: Stage::Separate,
     direct_light,

@@ -2,20 +2,26 @@
 
 use firstbounce_core::methods::colours_and_shape::{
     ColoursAndShapeError, ColoursAndShapeReport, IndirectMaps, LightReport, Photographed, SeparatedLight,
-    separate_by_colours_and_shape,
+    beta_of_object, separate_by_colours_and_shape,
 };
 use firstbounce_core::separate::{LightPhotos, SeparateReport, Separation};
 use firstbounce_core::stereo::normals::NormalsError;
 use firstbounce_core::stereo::shape::ShapeError;
 
+use super::super::calibrate::Source;
 use super::super::watch::Part;
-use super::super::{Direct, PipelineError, PipelineWatch, Separated, Stage};
+use super::super::{
+    Calibrated, Direct, Known, ObjectPhotos, PipelineError, PipelineWatch, Scene, Separated, SolveOptions, Stage,
+};
+use super::shape::white_light_if_known;
 use super::{Found, Input, MethodReport, Needs, OnShape, Row};
+use crate::set::CaptureSet;
 
 pub(super) const ROW: Row = Row {
     title: "colours and shape",
     purpose: "Photos in several colours tell direct from indirect light, and the shape says what the indirect light is made of",
     needs: Needs { all_colours: true, absolute_albedo: false, surface_before: false },
+    compares_albedo: true,
     one_paint: true,
     stage: Stage::Separate,
     direct_light,
@@ -28,6 +34,10 @@ pub struct ColoursAndShapeSolved {
     pub report: ColoursAndShapeReport,
     /// By light, how the indirect light was found.
     pub maps: Vec<IndirectMaps>,
+    /// Linear light of a white facet that faces a lamp of intensity 1, where it is known.
+    pub white_light: Option<Known<f64>>,
+    /// Names of the colours, the reference first.
+    pub colours: Vec<String>,
 }
 
 impl ColoursAndShapeSolved {
@@ -48,12 +58,9 @@ impl ColoursAndShapeSolved {
                 "the colours of {:.0} % of the object do not fit beta: another paint is there; of it the reference colour alone was used",
                 100.0 * amount.other_paint_share
             ));
-        } else if let Some(amount) = self.report.amount.filter(|amount| amount.is_uneven()) {
-            warnings.push(format!(
-                "part of the cavity is out of view: the amount of indirect light varies by {:.0} % over the object",
-                100.0 * amount.unevenness
-            ));
         }
+        let findings = self.report.closure.iter().flat_map(|closure| &closure.findings);
+        warnings.extend(findings.filter(|finding| finding.is_doubt()).map(|finding| finding.words(&self.colours)));
         warnings
     }
 }
@@ -61,34 +68,84 @@ impl ColoursAndShapeSolved {
 fn direct_light(input: &Input, watch: &dyn PipelineWatch, on_shape: &mut OnShape) -> Result<Found, PipelineError> {
     let Input { scene, options, .. } = input;
     let beta = scene.calibrated.beta_values()?;
-    let alpha = (0..scene.object.photos.len()).map(|l| scene.alpha(l)).collect::<Result<Vec<_>, _>>()?;
-    let photos: Vec<Vec<_>> =
-        scene.object.photos.iter().map(|row| row.iter().map(|photo| &**photo).collect()).collect();
+    let (method, shape) = (&options.colours_and_shape, &options.shape_after());
+    let part = Part::of(watch, Stage::Separate, 0, 1);
+    let white_light = input.white_light.map(|white| white.value);
+    let (found, reports) = with_photographed(scene, &beta, &options.left_out, white_light, |photographed| {
+        let found = separate_by_colours_and_shape(photographed, method, shape, &part, on_shape).map_err(failed)?;
+        let reports = found.report.lights.iter().zip(photographed.lights);
+        let reports = reports.map(|(report, light)| separate_report(report, light)).collect();
+        Ok((found, reports))
+    })?;
+    let (separations, rest): (Vec<_>, Vec<_>) = found.lights.into_iter().map(split).unzip();
+    let (indirect, direct) = rest.into_iter().unzip();
+    let report = MethodReport::ColoursAndShape(ColoursAndShapeSolved {
+        report: found.report,
+        maps: found.maps,
+        white_light: input.white_light.cloned(),
+        colours: scene.set.colours.iter().map(|colour| colour.name.clone()).collect(),
+    });
+    Ok(Found { separated: Separated { lights: separations, reports }, indirect, direct, shape: None, report })
+}
+
+fn failed(error: ColoursAndShapeError) -> PipelineError {
+    match error {
+        ColoursAndShapeError::Cancelled => PipelineError::Cancelled,
+        error => PipelineError::ColoursAndShape(error),
+    }
+}
+
+/// Lends a set's photos to `work` as the method takes them.
+fn with_photographed<T>(
+    scene: &Scene,
+    beta: &[f64],
+    left_out: &[String],
+    white_light: Option<f64>,
+    work: impl FnOnce(&Photographed) -> Result<T, PipelineError>,
+) -> Result<T, PipelineError> {
+    let (object, camera) = (&scene.object, scene.camera());
+    let alpha = (0..object.photos.len()).map(|l| scene.alpha(l)).collect::<Result<Vec<_>, _>>()?;
+    let photos: Vec<Vec<_>> = object.photos.iter().map(|row| row.iter().map(|photo| &**photo).collect()).collect();
     let light = |l: usize| LightPhotos {
         photos: &photos[l],
-        noise: &scene.object.noise[l],
+        noise: &object.noise[l],
         alpha: &alpha[l],
-        beta: &beta,
-        mask: &scene.object.mask,
+        beta,
+        mask: &object.mask,
     };
     let lights: Vec<_> = (0..photos.len()).map(light).collect();
     // Without a direction for every lamp there is no shape: the method then does without, and says so.
-    let lamps = scene.lamps(&options.left_out).unwrap_or_else(|_| vec![None; lights.len()]);
-    let camera = scene.camera();
-    let photographed = Photographed { lights: &lights, lamps: &lamps, mask: &scene.object.mask, camera: &camera };
-    let (method, shape) = (&options.colours_and_shape, &options.shape_after());
-    let part = Part::of(watch, Stage::Separate, 0, 1);
-    let found = separate_by_colours_and_shape(&photographed, method, shape, &part, on_shape);
-    let found = found.map_err(|error| match error {
-        ColoursAndShapeError::Cancelled => PipelineError::Cancelled,
-        error => PipelineError::ColoursAndShape(error),
+    let lamps = scene.lamps(left_out).unwrap_or_else(|_| vec![None; lights.len()]);
+    work(&Photographed { lights: &lights, lamps: &lamps, mask: &object.mask, camera: &camera, white_light })
+}
+
+/// Puts the beta that the object tells where nothing else gives one, with what makes it doubtful among the warnings. Leaves it open
+/// where nothing gives alpha either.
+pub(in super::super) fn add_beta_of_object(
+    set: &CaptureSet,
+    object: &ObjectPhotos,
+    calibrated: &mut Calibrated,
+    options: &SolveOptions,
+    watch: &dyn PipelineWatch,
+) -> Result<(), PipelineError> {
+    if calibrated.beta.is_some() || calibrated.alpha.iter().any(Option::is_none) {
+        return Ok(());
+    }
+    let white_light = white_light_if_known(set, calibrated, &options.scale, watch)?.map(|white| white.value);
+    let unknown = vec![1.0; set.colours.len()];
+    let scene = Scene::of(set, object, calibrated);
+    let part = Part::of(watch, Stage::Calibrate, 1, 2);
+    let told = with_photographed(&scene, &unknown, &options.left_out, white_light, |photographed| {
+        beta_of_object(photographed, &options.colours_and_shape, &options.shape_after(), &part).map_err(failed)
     })?;
-    let reports = found.report.lights.iter().zip(&lights).map(|(report, light)| separate_report(report, light));
-    let reports = reports.collect();
-    let (separations, rest): (Vec<_>, Vec<_>) = found.lights.into_iter().map(split).unzip();
-    let (indirect, direct) = rest.into_iter().unzip();
-    let report = MethodReport::ColoursAndShape(ColoursAndShapeSolved { report: found.report, maps: found.maps });
-    Ok(Found { separated: Separated { lights: separations, reports }, indirect, direct, shape: None, report })
+    if told.is_empty() {
+        return Ok(());
+    }
+    let names = set.colours.iter().skip(1).map(|colour| colour.name.as_str());
+    calibrated.warnings.extend(told.iter().zip(names).filter_map(|(told, name)| told.doubt_words(name)));
+    let known = told.into_iter().map(|told| Known::measured(told.estimate, Source::Object, None));
+    calibrated.beta = Some(std::iter::once(Known::by_definition()).chain(known).collect());
+    Ok(())
 }
 
 /// The direct light as bounce 1, and what goes beside it.

@@ -3,6 +3,8 @@
 mod colours;
 mod colours_and_shape;
 mod shape;
+#[cfg(test)]
+mod tests;
 
 use firstbounce_core::Plane;
 use firstbounce_core::stereo::shape::Shape;
@@ -12,9 +14,10 @@ use crate::set::{CaptureSet, Method};
 
 pub use colours::{denoise_lights, separate_lights};
 pub use colours_and_shape::ColoursAndShapeSolved;
+pub(super) use colours_and_shape::add_beta_of_object;
 pub use shape::{AlbedoScale, NayarSolved};
 
-pub(super) use shape::white_light;
+pub(super) use shape::{white_light, white_light_if_known};
 
 /// What the rest of the program knows of a method.
 pub(super) struct Row {
@@ -23,6 +26,8 @@ pub(super) struct Row {
     /// One line of help.
     pub purpose: &'static str,
     pub needs: Needs,
+    /// It uses the light of a white facet where that is known, and does without elsewhere.
+    pub compares_albedo: bool,
     /// It takes the whole object for one paint; photometric stereo may do so too.
     pub one_paint: bool,
     /// The stage whose time it takes.
@@ -53,7 +58,7 @@ pub struct Input<'a> {
     pub raw: &'a Separated,
     /// The surface that they show, where the method needs it.
     pub before: Option<&'a Shape>,
-    /// Linear light of a white facet that faces a lamp of intensity 1, where the method needs it.
+    /// Linear light of a white facet that faces a lamp of intensity 1, where the method needs it, or uses it and it is known.
     pub white_light: Option<&'a Known<f64>>,
     /// The options of every method.
     pub options: &'a SolveOptions,
@@ -134,6 +139,11 @@ impl Method {
     /// What it needs.
     pub fn needs(self) -> Needs {
         self.row().needs
+    }
+
+    /// Whether it uses the light of a white facet where that is known.
+    pub(super) fn compares_albedo(self) -> bool {
+        self.row().compares_albedo
     }
 
     pub(super) fn stage(self) -> Stage {

@@ -21,6 +21,7 @@ pub(super) const ROW: Row = Row {
     title: "Nayar's method",
     purpose: "Photos in one colour; the bounces are simulated on the shape, over and over (Nayar, Ikeuchi and Kanade 1991)",
     needs: Needs { all_colours: false, absolute_albedo: true, surface_before: true },
+    compares_albedo: false,
     one_paint: false,
     stage: Stage::Nayar,
     direct_light,
@@ -129,6 +130,28 @@ pub(in super::super) fn white_light(
             Ok(Known { source: Source::Truth, ..Known::from_file(value) })
         }
         _ => found,
+    }
+}
+
+/// The same where it is known; what a rendered set knows of itself does not count.
+///
+/// # Errors
+/// `Scale` for impossible values, and `Cancelled`.
+pub(in super::super) fn white_light_if_known(
+    set: &CaptureSet,
+    calibrated: &Calibrated,
+    scale: &AlbedoScale,
+    watch: &dyn PipelineWatch,
+) -> Result<Option<Known<f64>>, PipelineError> {
+    let given = [scale.white_light, scale.grey_albedo, set.calibration.white_light, set.calibration.grey_albedo];
+    // The grey ball is looked at only where something says what it is.
+    if given.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    match photographed_white_light(set, calibrated, scale, watch) {
+        Ok(known) => Ok(Some(known)),
+        Err(error @ (PipelineError::Cancelled | PipelineError::Scale { .. })) => Err(error),
+        Err(_) => Ok(None),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Records as pages that need no other file, with pictures.
 
+mod colours_and_shape;
 mod frame;
 mod nayar;
 mod pictures;

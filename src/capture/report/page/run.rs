@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use rayon::prelude::*;
 
 use super::frame::page;
-use super::{Picture, Pictures, nayar};
+use super::{Picture, Pictures, colours_and_shape, nayar};
 use crate::pipeline::{Method, PipelineError, Solved, Surface};
 use crate::report::{Report, Row, ShapeRecord};
 use crate::set::CaptureSet;
@@ -41,10 +41,11 @@ pub fn html(solved: &Solved, report: &Report) -> Result<String, PipelineError> {
     let body = html! {
         p { (summary(report, solved.options.method)) }
         (warnings(report))
-        @if all_colours { (trust_section(report)) }
+        @if all_colours { (trust_section(report, solved.options.method)) }
         h2 { "Captures and their light" }
         @for l in 0..set.lights.len() { (light_section(set, solved, report, pictures, l)?) }
         @if let Some(record) = &report.nayar { (nayar::section(record)) }
+        @if let Some(record) = &report.colours_and_shape { (colours_and_shape::section(record)) }
         (shape_section(solved, report, pictures)?)
         h2 { "Calibration" }
         (calibration_table(report))
@@ -82,23 +83,30 @@ fn warnings(report: &Report) -> Markup {
     }
 }
 
-fn trust_section(report: &Report) -> Markup {
+fn trust_section(report: &Report, method: Method) -> Markup {
     let trust = &report.trust;
+    let by_colours = method == Method::Colours;
     html! {
         h2 { "Trust" }
         p { "Verdict: " strong { (trust.level) } "." }
         table {
-            tr { th { "Light" } th { "noise of bounce 1, %" } th { "once denoised, %" } th { "calibration, %" } th { "truncation, %" } }
+            tr {
+                th { "Light" } th { "noise of bounce 1, %" }
+                @if by_colours { th { "once denoised, %" } th { "calibration, %" } th { "truncation, %" } }
+            }
             @for (light, words) in &trust.light {
                 tr {
-                    td { (light) } td { (number(words.noise_percent)) } td { (number(words.denoised_noise_percent)) }
-                    td { (number(words.calibration_percent)) } td { (words.truncation_percent.map_or("?".into(), number)) }
+                    td { (light) } td { (number(words.noise_percent)) }
+                    @if by_colours {
+                        td { (number(words.denoised_noise_percent)) } td { (number(words.calibration_percent)) }
+                        td { (words.truncation_percent.map_or("?".into(), number)) }
+                    }
                 }
             }
         }
         @if let Some(normal) = &trust.normal {
             p { "Expected error of normals: " (number(normal.denoised_noise_deg)) " degrees by noise, "
-                (number(normal.calibration_deg)) " by calibration." }
+                (number(normal.calibration_deg)) @if by_colours { " by calibration." } @else { " by the interval of beta." } }
         }
         @if !trust.advice.is_empty() { p { "Better:" } ul { @for line in &trust.advice { li { (line) } } } }
     }

@@ -1,6 +1,7 @@
 //! Records: every number of a run by the words of the capture file, for `--json` and `report.json`.
 
 mod calibration;
+mod colours_and_shape;
 mod export;
 mod inputs;
 mod nayar;
@@ -9,6 +10,7 @@ mod run;
 mod trust;
 
 pub use calibration::{CalibrationRecord, CircleRecord, IntervalRecord, Row, SourceRecord};
+pub use colours_and_shape::{BetaWords, ColoursAndShapeRecord, LightWords};
 pub(crate) use export::unit_word;
 pub use export::{DecimationRecord, ExportRecord, MeshFormatRecord};
 pub use inputs::{InputRecord, input_records};

@@ -7,7 +7,8 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::{
-    CalibrationRecord, ExportRecord, InputRecord, NayarRecord, OptionsRecord, TrustRecord, input_records, unit_word,
+    CalibrationRecord, ColoursAndShapeRecord, ExportRecord, InputRecord, NayarRecord, OptionsRecord, TrustRecord,
+    input_records, unit_word,
 };
 use crate::image_file::GreenAxis;
 use crate::pipeline::{Solved, StageCost, Surface};
@@ -32,10 +33,12 @@ pub struct Report {
     pub set: SetRecord,
     /// The rig, in the words that `calibrate --json` prints.
     pub calibration: CalibrationRecord,
-    /// The name of the method: "bounces" (by colours, Liao et al. 2011) or "nayar" (by simulation, Nayar et al. 1991).
+    /// The name of the method: "colours-and-shape", "colours" (Liao et al. 2011) or "shape" (Nayar et al. 1991).
     pub method: &'static str,
-    /// The iterations of Nayar's method; absent for the other.
+    /// The iterations of Nayar's method; absent for others.
     pub nayar: Option<NayarRecord>,
+    /// How colours and shape together went; absent for others.
+    pub colours_and_shape: Option<ColoursAndShapeRecord>,
     /// The order m.
     pub bounces: usize,
     /// By light.
@@ -182,6 +185,9 @@ impl Report {
         let of_method = solved.report.warnings(solved_pixels);
         // That one colour cannot tell bounces apart is no reproach to a method that simulates them.
         let of_trust = trust.warnings().filter(|_| method.needs().all_colours);
+        // What the method says of itself is said once.
+        let of_trust = of_trust.filter(|line| !of_method.iter().any(|told| line.ends_with(told.as_str())));
+        let of_trust: Vec<_> = of_trust.collect();
         let warnings = of_photos.chain(of_method).chain(of_trust).collect();
         Self {
             schema: SCHEMA,
@@ -200,6 +206,7 @@ impl Report {
             calibration: CalibrationRecord::of(set, &solved.calibrated),
             method: method.name(),
             nayar: solved.report.nayar().map(NayarRecord::of),
+            colours_and_shape: solved.report.colours_and_shape().map(|solved| ColoursAndShapeRecord::of(set, solved)),
             bounces,
             separation: names.zip(solved.separated.reports.iter().cloned()).collect(),
             trust,

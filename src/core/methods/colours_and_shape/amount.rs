@@ -10,6 +10,8 @@ use crate::{Mask, Plane};
 const SIDE: usize = 8;
 /// A tile of less than this share of what is known says nothing of its own.
 const MIN_INFORMATION: f64 = 0.002;
+/// The share of the object, by what is known of it, that counts as the part where the amount is lowest.
+const LOWEST_SHARE: f64 = 0.2;
 /// The amount varies by more than this where walls are out of view: rendered bowls vary by 5 %, corners and grooves that run out
 /// of the picture by 16 to 30 %.
 pub const MAX_UNEVENNESS: f64 = 0.1;
@@ -37,48 +39,23 @@ pub struct AmountReport {
     pub outside_share: f64,
 }
 
+/// Where noise alone leaves the mean uncertain by more than this, parts of the object differ by noise: hardly any light arrives.
+const LARGEST_NOISE: f64 = 0.005;
+
 impl AmountReport {
     /// Whether walls that send light are likely out of view.
     pub fn is_uneven(&self) -> bool {
-        self.unevenness > MAX_UNEVENNESS
+        self.is_known() && self.unevenness > MAX_UNEVENNESS
     }
 
     /// Whether the colours of a part of the object do not fit beta.
     pub fn has_other_paint(&self) -> bool {
-        self.other_paint_share > MAX_OTHER_PAINT
+        self.is_known() && self.other_paint_share > MAX_OTHER_PAINT
     }
 
-    /// `None` where no light arrives anywhere.
-    pub(super) fn of(mask: &Mask, fits: &[Fit]) -> Option<Self> {
-        let (columns, rows) = extent(mask)?;
-        let place = |at: usize, range: &Range<usize>| (at - range.start) * SIDE / range.len();
-        let mut tiles = [(0.0_f64, 0.0_f64); SIDE * SIDE];
-        for y in rows.clone() {
-            for x in columns.clone() {
-                let (information, weighted) = &mut tiles[place(y, &rows) * SIDE + place(x, &columns)];
-                for fit in fits {
-                    *information += f64::from(fit.information.at(x, y));
-                    *weighted += f64::from(fit.weighted.at(x, y));
-                }
-            }
-        }
-        let information: f64 = tiles.iter().map(|tile| tile.0).sum();
-        if information <= 0.0 {
-            return None;
-        }
-        let known = tiles.iter().filter(|tile| tile.0 > MIN_INFORMATION * information);
-        let mut known: Vec<(f64, f64)> = known.map(|tile| (tile.1 / tile.0, tile.0)).collect();
-        known.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let spread = quantile(&known, 0.95) - quantile(&known, 0.05);
-        Some(Self {
-            mean: tiles.iter().map(|tile| tile.1).sum::<f64>() / information,
-            median: quantile(&known, 0.5),
-            lowest: quantile(&known, 0.1),
-            unevenness: spread / quantile(&known, 0.5).max(f64::MIN_POSITIVE),
-            noise: information.sqrt().recip(),
-            other_paint_share: 0.0,
-            outside_share: 0.0,
-        })
+    /// Whether enough light arrives to say anything of its amount.
+    pub fn is_known(&self) -> bool {
+        self.noise < LARGEST_NOISE
     }
 
     /// Adds what the windows of all lights found.
@@ -95,6 +72,76 @@ impl AmountReport {
             outside_share: sum(|amount| &amount.outside) / sum(|amount| &amount.light).max(f64::MIN_POSITIVE),
             ..self
         }
+    }
+}
+
+/// What the parts of the object say of the amount: information, and the amount times information.
+pub(super) struct Tiles([(f64, f64); SIDE * SIDE]);
+
+impl Tiles {
+    /// `None` where no light arrives anywhere.
+    pub(super) fn of(mask: &Mask, fits: &[Fit]) -> Option<Self> {
+        let (columns, rows) = extent(mask)?;
+        let place = |at: usize, range: &Range<usize>| (at - range.start) * SIDE / range.len();
+        let mut tiles = [(0.0_f64, 0.0_f64); SIDE * SIDE];
+        for y in rows.clone() {
+            for x in columns.clone() {
+                let (information, weighted) = &mut tiles[place(y, &rows) * SIDE + place(x, &columns)];
+                for fit in fits {
+                    *information += f64::from(fit.information.at(x, y));
+                    *weighted += f64::from(fit.weighted.at(x, y));
+                }
+            }
+        }
+        (tiles.iter().map(|tile| tile.0).sum::<f64>() > 0.0).then_some(Self(tiles))
+    }
+
+    /// Tiles that say something, with the amount and the information of each, the lowest amount first.
+    fn known(&self) -> Vec<(usize, f64, f64)> {
+        let least = MIN_INFORMATION * self.0.iter().map(|tile| tile.0).sum::<f64>();
+        let known = self.0.iter().enumerate().filter(|(_, tile)| tile.0 > least);
+        let mut known: Vec<_> = known.map(|(tile, (info, weighted))| (tile, weighted / info, *info)).collect();
+        known.sort_by(|a, b| a.1.total_cmp(&b.1));
+        known
+    }
+
+    pub(super) fn report(&self) -> AmountReport {
+        let known: Vec<(f64, f64)> = self.known().into_iter().map(|(_, amount, info)| (amount, info)).collect();
+        let spread = quantile(&known, 0.95) - quantile(&known, 0.05);
+        let all: Vec<usize> = (0..self.0.len()).collect();
+        let (mean, noise) = self.mean_of(&all).unwrap_or_default();
+        AmountReport {
+            mean,
+            median: quantile(&known, 0.5),
+            lowest: quantile(&known, 0.1),
+            unevenness: spread / quantile(&known, 0.5).max(f64::MIN_POSITIVE),
+            noise,
+            other_paint_share: 0.0,
+            outside_share: 0.0,
+        }
+    }
+
+    /// The tiles where the amount can be held against the albedo: all where it is even, else those where it is lowest.
+    pub(super) fn comparable(&self) -> Vec<usize> {
+        if !self.report().is_uneven() {
+            return (0..self.0.len()).collect();
+        }
+        let known = self.known();
+        let all: f64 = known.iter().map(|(.., information)| information).sum();
+        let mut below = 0.0;
+        let lowest = known.into_iter().take_while(|(.., information)| {
+            let is_low = below < LOWEST_SHARE * all;
+            below += information;
+            is_low
+        });
+        lowest.map(|(tile, ..)| tile).collect()
+    }
+
+    /// The mean amount of some tiles and its noise; `None` where they say nothing.
+    pub(super) fn mean_of(&self, tiles: &[usize]) -> Option<(f64, f64)> {
+        let sum = |of: fn(&(f64, f64)) -> f64| tiles.iter().map(|tile| of(&self.0[*tile])).sum::<f64>();
+        let information = sum(|tile| tile.0);
+        (information > 0.0).then(|| (sum(|tile| tile.1) / information, information.sqrt().recip()))
     }
 }
 

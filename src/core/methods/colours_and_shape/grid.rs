@@ -27,6 +27,7 @@ pub(super) struct GridLight {
 }
 
 /// One light in one colour.
+#[derive(Clone)]
 pub(super) struct GridPhoto {
     /// `N_c / alpha_c`.
     pub light: Plane,
@@ -49,6 +50,24 @@ impl Grid {
             mask: Mask::from_fn(count.width(), count.height(), |x, y| 2 * count.at(x, y) >= cell_area),
             camera: coarser(camera, step_px),
             lights: lights.iter().map(grid_light).collect(),
+        }
+    }
+
+    /// Every so many-th cell along columns and rows alone.
+    pub(super) fn thinned(&self, every: usize) -> Self {
+        let photo = |photo: &GridPhoto| GridPhoto {
+            light: photo.light.thinned(every),
+            precision: photo.precision.thinned(every),
+        };
+        let light = |light: &GridLight| GridLight {
+            colours: light.colours.iter().map(photo).collect(),
+            beta: light.beta.clone(),
+        };
+        Self {
+            step_px: self.step_px * every,
+            mask: self.mask.thinned(every),
+            camera: coarser(&self.camera, every),
+            lights: self.lights.iter().map(light).collect(),
         }
     }
 

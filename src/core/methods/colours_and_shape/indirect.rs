@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::amount::AmountReport;
+use super::amount::{AmountReport, Tiles};
 use super::fit::{Amount, Fit};
 use super::grid::{Grid, GridLight};
 use super::split::Split;
@@ -51,6 +51,15 @@ impl Indirect {
         Self { ratio: (0..light.colours.len()).map(|c| Ratio::Even(ratio(c) as f32)).collect(), amount: None }
     }
 
+    /// The ratios of every so many-th cell along columns and rows alone.
+    pub(super) fn thinned(&self, every: usize) -> Self {
+        let ratio = |ratio: &Ratio| match ratio {
+            Ratio::Even(ratio) => Ratio::Even(*ratio),
+            Ratio::Map(plane) => Ratio::Map(plane.thinned(every)),
+        };
+        Self { ratio: self.ratio.iter().map(ratio).collect(), amount: None }
+    }
+
     /// What is shown of it.
     pub(super) fn into_maps(self, (width, height): (usize, usize)) -> IndirectMaps {
         let plane = |ratio| match ratio {
@@ -82,13 +91,14 @@ impl Indirect {
     }
 }
 
-/// The indirect light of every light from what arrives, by light and then colour; `even` is that of one ratio a light.
+/// The indirect light of every light from what arrives, by light and then colour, and K N_ref of every light; `even` is that of
+/// one ratio a light.
 pub(super) fn indirect_light(
     grid: &Grid,
     even: &[Indirect],
     arriving: Vec<Vec<Plane>>,
     options: &ColoursAndShapeOptions,
-) -> (Vec<Indirect>, Option<AmountReport>) {
+) -> (Vec<Indirect>, Vec<Plane>, Option<AmountReport>) {
     let sigma = options.ratio_window_px;
     let weight = gaussian(&grid.mask.map(|inside| if inside { 1.0 } else { 0.0 }), sigma);
     let smooth = |plane: Plane| {
@@ -114,12 +124,12 @@ pub(super) fn indirect_light(
         .collect();
     let fits: Vec<Fit> =
         lights.iter().zip(&grid.lights).map(|((i, arriving), light)| Fit::new(grid, light, i, arriving)).collect();
-    let report = AmountReport::of(&grid.mask, &fits);
+    let report = Tiles::of(&grid.mask, &fits).map(|tiles| tiles.report());
     let share = report.map_or(0.0, |report| report.median.max(0.0));
     for ((indirect, arriving), fit) in lights.iter_mut().zip(&fits) {
         indirect.amount = Some(fit.amount(arriving, share, options.amount_window_px));
     }
-    let lights: Vec<Indirect> = lights.into_iter().map(|(indirect, _)| indirect).collect();
+    let (lights, arriving): (Vec<Indirect>, Vec<Plane>) = lights.into_iter().unzip();
     let report = report.map(|report| report.with_lights(&grid.mask, &lights));
-    (lights, report)
+    (lights, arriving, report)
 }

@@ -13,10 +13,14 @@
 mod amount;
 mod apply;
 mod arriving;
+mod closure;
+mod direct;
+mod end_of_ratio;
 mod even;
 mod fit;
 mod grid;
 mod indirect;
+mod of_object;
 mod pyramid;
 mod receivers;
 mod report;
@@ -30,18 +34,21 @@ use thiserror::Error;
 
 use crate::image::gaussian::gaussian;
 use crate::options::{OptionError, check_range};
-use crate::separate::{LightPhotos, MIN_BETA_DISTANCE, OUTSIDE, SeparateError, UNSOLVED};
-use crate::stereo::normals::{DirectLight, Lamp};
+use crate::separate::{LightPhotos, MIN_BETA_DISTANCE, SeparateError};
+use crate::stereo::normals::Lamp;
 use crate::stereo::shape::{Shape, ShapeError, ShapeOptions, recover_shape};
 use crate::{Camera, Marks, Mask, Plane, Portion, Watch};
 use arriving::arriving_light;
-use grid::{Grid, GridLight};
+use grid::Grid;
 use indirect::{Indirect, indirect_light};
 use pyramid::Pyramid;
 use visibility::Visibility;
 
 pub use amount::{AmountReport, MAX_UNEVENNESS};
+pub use closure::{ClosureFinding, ClosureOptions, ClosureReport, ColourClosure};
+pub use end_of_ratio::EndOfRatio;
 pub use even::even_operator;
+pub use of_object::{BetaDoubt, ObjectBeta, beta_of_object};
 pub use report::{ColoursAndShapeReport, LightReport};
 
 /// Normals that receive light are smoothed by a Gaussian of this standard deviation, within each wall.
@@ -64,11 +71,14 @@ pub struct ColoursAndShapeOptions {
     pub ratio_window_px: f64,
     /// The amount of indirect light is fitted in Gaussian windows of this standard deviation.
     pub amount_window_px: f64,
+    /// How that amount is held against the albedo.
+    pub closure: ClosureOptions,
 }
 
 impl Default for ColoursAndShapeOptions {
     fn default() -> Self {
-        Self { rounds: 1, cells: 250_000, ratio_window_px: 1.0, amount_window_px: 6.0 }
+        let closure = ClosureOptions::default();
+        Self { rounds: 1, cells: 250_000, ratio_window_px: 1.0, amount_window_px: 6.0, closure }
     }
 }
 
@@ -84,7 +94,8 @@ impl ColoursAndShapeOptions {
         let window = 0.0..=100.0;
         check_range("ratio_window_px", self.ratio_window_px, window.contains(&self.ratio_window_px), "from 0 to 100")?;
         let in_range = (0.5..=100.0).contains(&self.amount_window_px);
-        check_range("amount_window_px", self.amount_window_px, in_range, "from 0.5 to 100")
+        check_range("amount_window_px", self.amount_window_px, in_range, "from 0.5 to 100")?;
+        self.closure.check()
     }
 }
 
@@ -113,6 +124,9 @@ pub struct Photographed<'a> {
     pub mask: &'a Mask,
     /// What sees it.
     pub camera: &'a Camera,
+    /// Linear light of a white facet that faces a lamp of intensity 1, in the reference colour; `None` where it is not known: then
+    /// the amount of indirect light cannot be held against the albedo.
+    pub white_light: Option<f64>,
 }
 
 /// One light, separated.
@@ -162,34 +176,94 @@ pub fn separate_by_colours_and_shape(
 ) -> Result<ColoursAndShape, ColoursAndShapeError> {
     options.check()?;
     photographed.check()?;
-    let Photographed { lights, mask, camera, .. } = *photographed;
-    let grid = Grid::new(lights, mask, camera, options.cells);
-    let even: Vec<_> = grid.lights.iter().map(|light| Indirect::even(light, &grid.mask)).collect();
-    let part = |step: usize| Portion::of(watch, step, 2 * options.rounds + 1);
-    let (mut indirect, mut amount, mut no_shape) = (even.clone(), None, None);
-    for round in 0..options.rounds {
-        let shape = match shape_of(photographed, &grid, &indirect, shape_options, &part(2 * round)) {
-            Ok(shape) => shape,
-            Err(error) if error.is_cancelled() => return Err(ColoursAndShapeError::Cancelled),
-            Err(error) => {
-                no_shape = Some(error);
-                break;
-            }
-        };
-        on_shape(&shape);
-        let arriving = arriving(&grid, &shape, &part(2 * round + 1)).ok_or(ColoursAndShapeError::Cancelled)?;
-        (indirect, amount) = indirect_light(&grid, &even, arriving, options);
-    }
-    let separated = apply::apply(lights, mask, &grid, &indirect, &part(2 * options.rounds));
+    let steps = 2 * options.rounds + 2;
+    let on_grid =
+        OnGrid::find(photographed, options, shape_options, &|step| Portion::of(watch, step, steps), on_shape)?;
+    let closure = on_grid.closure(photographed, options, shape_options);
+    let OnGrid { grid, even, indirect, amount, no_shape, .. } = on_grid;
+    let separated =
+        apply::apply(photographed.lights, photographed.mask, &grid, &indirect, &Portion::of(watch, steps - 1, steps));
     let separated = separated.ok_or(ColoursAndShapeError::Cancelled)?;
     let report = ColoursAndShapeReport {
         step_px: grid.step_px,
         no_shape,
         amount,
+        closure,
         lights: separated.iter().zip(&even).map(|(light, even)| LightReport::of(light, even)).collect(),
     };
     let maps = indirect.into_iter().map(|indirect| indirect.into_maps(grid.size())).collect();
     Ok(ColoursAndShape { lights: separated, maps, report })
+}
+
+/// What is found on the grid.
+struct OnGrid {
+    grid: Grid,
+    /// By light, one ratio for all cells.
+    even: Vec<Indirect>,
+    /// By light.
+    indirect: Vec<Indirect>,
+    /// By light, K N_ref; empty without a shape.
+    arriving: Vec<Plane>,
+    /// `None` without a shape, or where no light arrives.
+    amount: Option<AmountReport>,
+    /// The last shape, and why there is none.
+    shape: Option<Shape>,
+    no_shape: Option<ShapeError>,
+}
+
+impl OnGrid {
+    fn find<'w>(
+        photographed: &Photographed,
+        options: &ColoursAndShapeOptions,
+        shape_options: &ShapeOptions,
+        part: &dyn Fn(usize) -> Portion<'w>,
+        on_shape: &mut dyn FnMut(&Shape),
+    ) -> Result<Self, ColoursAndShapeError> {
+        let Photographed { lights, mask, camera, .. } = *photographed;
+        let grid = Grid::new(lights, mask, camera, options.cells);
+        let even: Vec<_> = grid.lights.iter().map(|light| Indirect::even(light, &grid.mask)).collect();
+        let (indirect, arriving) = (even.clone(), Vec::new());
+        let mut found = Self { grid, even, indirect, arriving, amount: None, shape: None, no_shape: None };
+        for round in 0..options.rounds {
+            let direct = direct::direct_light(&found.grid, &found.indirect);
+            let direct = direct::placed(&direct, photographed.lamps);
+            let (mask, camera) = (&found.grid.mask, &found.grid.camera);
+            let shape = match recover_shape(&direct, mask, camera, shape_options, &part(2 * round)) {
+                Ok(shape) => shape,
+                Err(error) if error.is_cancelled() => return Err(ColoursAndShapeError::Cancelled),
+                Err(error) => {
+                    found.no_shape = Some(error);
+                    break;
+                }
+            };
+            on_shape(&shape);
+            let arriving = arriving_at(&found.grid, &shape, &part(2 * round + 1));
+            let arriving = arriving.ok_or(ColoursAndShapeError::Cancelled)?;
+            (found.indirect, found.arriving, found.amount) =
+                indirect_light(&found.grid, &found.even, arriving, options);
+            found.shape = Some(shape);
+        }
+        Ok(found)
+    }
+
+    /// `None` where no shape tells the amount of indirect light.
+    fn closure(
+        &self,
+        photographed: &Photographed,
+        options: &ColoursAndShapeOptions,
+        shape_options: &ShapeOptions,
+    ) -> Option<ClosureReport> {
+        let found = closure::Found {
+            grid: &self.grid,
+            indirect: &self.indirect,
+            arriving: &self.arriving,
+            amount: self.amount?,
+            depth: &self.shape.as_ref()?.depth.depth_mm,
+            amount_window_px: options.amount_window_px,
+        };
+        let Photographed { lamps, white_light, .. } = *photographed;
+        Some(closure::closure(&found, lamps, white_light, &options.closure, &shape_options.normals))
+    }
 }
 
 impl Photographed<'_> {
@@ -214,45 +288,8 @@ impl Photographed<'_> {
     }
 }
 
-/// The surface that the direct light on the grid shows.
-fn shape_of(
-    photographed: &Photographed,
-    grid: &Grid,
-    indirect: &[Indirect],
-    options: &ShapeOptions,
-    watch: &dyn Watch,
-) -> Result<Shape, ShapeError> {
-    let (width, height) = grid.size();
-    let solve = |(light, indirect): (&GridLight, &Indirect)| {
-        let of_cell = |cell: usize| {
-            let split = indirect.split(light, cell);
-            let direct = match &indirect.amount {
-                _ if !grid.mask.data()[cell] || !split.has_light() => None,
-                None => split.direct(),
-                Some(amount) => {
-                    let (light, variance) = (amount.light.data()[cell], amount.variance.data()[cell]);
-                    Some(split.direct_given(f64::from(light), f64::from(variance)))
-                }
-            };
-            let marks = if grid.mask.data()[cell] { UNSOLVED } else { OUTSIDE };
-            direct.map_or((0.0, (0.0, marks)), |(direct, variance)| (direct as f32, (variance.sqrt() as f32, 0)))
-        };
-        let (direct, (noise, marks)): (Vec<f32>, (Vec<f32>, Vec<u8>)) =
-            (0..width * height).into_par_iter().map(of_cell).unzip();
-        let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
-        (plane(direct), plane(noise), Marks::from_vec(width, height, marks).unwrap_or_default())
-    };
-    let solved: Vec<_> = grid.lights.iter().zip(indirect).map(solve).collect();
-    let placed = solved.iter().zip(photographed.lamps).filter_map(|((direct, noise, marks), lamp)| {
-        let (lamp, intensity) = (*lamp)?;
-        Some(DirectLight { direct, noise: Some(noise), marks, lamp, intensity })
-    });
-    let placed: Vec<_> = placed.collect();
-    recover_shape(&placed, &grid.mask, &grid.camera, options, watch)
-}
-
 /// By light, then colour, the light that arrives at every cell. `None` when cancelled.
-fn arriving(grid: &Grid, shape: &Shape, watch: &dyn Watch) -> Option<Vec<Vec<Plane>>> {
+fn arriving_at(grid: &Grid, shape: &Shape, watch: &dyn Watch) -> Option<Vec<Vec<Plane>>> {
     let channels: Vec<&[f32]> =
         grid.lights.iter().flat_map(|light| light.colours.iter().map(|photo| photo.light.data())).collect();
     let known = shape.depth.mask.data().iter().zip(grid.mask.data()).map(|(a, b)| *a && *b).collect();

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::indirect::Indirect;
-use super::{AmountReport, SeparatedLight};
+use super::{AmountReport, ClosureReport, SeparatedLight};
 use crate::image::photo::CLIPPED;
 use crate::separate::{OUTSIDE, UNSOLVED};
 use crate::stereo::shape::ShapeError;
@@ -17,6 +17,8 @@ pub struct ColoursAndShapeReport {
     pub no_shape: Option<ShapeError>,
     /// The amount of indirect light; `None` without a shape, or where no light arrives.
     pub amount: Option<AmountReport>,
+    /// That amount against the albedo of the paint; `None` without an amount.
+    pub closure: Option<ClosureReport>,
     /// By light.
     pub lights: Vec<LightReport>,
 }

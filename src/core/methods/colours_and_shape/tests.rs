@@ -10,8 +10,8 @@ use crate::image::evaluate::relative_error;
 use crate::image::noise::NoiseModel;
 use crate::light::radiosity::{BounceOptions, FormFactorOptions, Patches, form_factors};
 use crate::light::scene::{self, RenderOptions, Shape as Scene, directions_on_ring, framed, render};
-use crate::separate::{SeparateOptions, separate};
-use crate::stereo::normals::{Normals, NormalsOptions, Paint};
+use crate::separate::{SeparateOptions, UNSOLVED, separate};
+use crate::stereo::normals::{DirectLight, Normals, NormalsOptions, Paint};
 use crate::{NormalMap, Photo, Projection, Unwatched};
 
 const ALBEDOS: [f64; 2] = [0.75, 0.38];
@@ -84,7 +84,8 @@ impl Staged {
 
     fn solve(&self, options: &ColoursAndShapeOptions) -> Result<ColoursAndShape, ColoursAndShapeError> {
         self.with_lights(|lights| {
-            let photographed = Photographed { lights, lamps: &self.lamps, mask: &self.mask, camera: &self.camera };
+            let photographed =
+                Photographed { lights, lamps: &self.lamps, mask: &self.mask, camera: &self.camera, white_light: None };
             separate_by_colours_and_shape(&photographed, options, &shape_options(Paint::Auto), &Unwatched, &mut |_| {})
         })
     }
