@@ -79,12 +79,12 @@ fn direct_light(input: &Input, watch: &dyn PipelineWatch, on_shape: &mut OnShape
     })?;
     let (separations, rest): (Vec<_>, Vec<_>) = found.lights.into_iter().map(split).unzip();
     let (indirect, direct) = rest.into_iter().unzip();
-    let report = MethodReport::ColoursAndShape(ColoursAndShapeSolved {
+    let report = MethodReport::ColoursAndShape(Box::new(ColoursAndShapeSolved {
         report: found.report,
         maps: found.maps,
         white_light: input.white_light.cloned(),
         colours: scene.set.colours.iter().map(|colour| colour.name.clone()).collect(),
-    });
+    }));
     Ok(Found { separated: Separated { lights: separations, reports }, indirect, direct, shape: None, report })
 }
 

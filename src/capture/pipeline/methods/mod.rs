@@ -87,7 +87,7 @@ pub enum MethodReport {
     /// Of Nayar's method.
     Nayar(NayarSolved),
     /// Of colours and shape together.
-    ColoursAndShape(ColoursAndShapeSolved),
+    ColoursAndShape(Box<ColoursAndShapeSolved>),
 }
 
 impl MethodReport {
