@@ -13,6 +13,8 @@ const EXPECTED_SPREAD: f64 = 0.3;
 const LARGEST_AMOUNT: f64 = 1.5;
 /// Relative to that of the object, amounts that walls out of view or errors of the shape can explain.
 const FITTING: std::ops::RangeInclusive<f64> = 0.2..=3.0;
+/// Another paint makes the indirect light wrong by more than this share of all light; less is an error of arriving light.
+const WRONG_LIGHT: f64 = 0.05;
 /// How wrong arriving light is for reasons that its noise does not show: patches, creases, normals between them.
 const MODEL_ERROR: f64 = 0.01;
 /// Light from outside the surface is averaged over windows so many times as wide as those of the amount, and counts as far as
@@ -46,6 +48,8 @@ pub(super) struct Fit {
     precision: Plane,
     /// The same times I.
     weighted_light: Plane,
+    /// What arrives over all light of the reference colour.
+    arriving_share: Plane,
 }
 
 /// s in windows, and whether the colours fit beta there.
@@ -66,6 +70,8 @@ impl Fit {
             let of_share = ((precision * arriving * arriving) as f32, (weighted * arriving) as f32);
             (of_share, (precision as f32, weighted as f32))
         };
+        let reference = light.colours[0].light.data();
+        let arriving_share = |cell: usize| arriving.data()[cell] / reference[cell].max(f32::MIN_POSITIVE);
         let (width, height) = grid.size();
         let cells = (0..width * height).into_par_iter().map(of_cell);
         let ((information, weighted), (precision, light)): ((Vec<f32>, Vec<f32>), (Vec<f32>, Vec<f32>)) = cells.unzip();
@@ -75,6 +81,7 @@ impl Fit {
             weighted: plane(weighted),
             precision: plane(precision),
             weighted_light: plane(light),
+            arriving_share: plane((0..width * height).into_par_iter().map(arriving_share).collect()),
         }
     }
 
@@ -101,14 +108,15 @@ impl Fit {
         let share = share.min(LARGEST_AMOUNT);
         let expected = (EXPECTED_SPREAD * share.max(0.01)).powi(-2) / cells_of_window(sigma_px);
         let (information, weighted) = (gaussian(&self.information, sigma_px), gaussian(&self.weighted, sigma_px));
-        let of_cell = |(information, weighted): (&f32, &f32)| {
+        let of_cell = |((information, weighted), arriving_share): ((&f32, &f32), &f32)| {
             let information = f64::from(*information) + expected;
             let fitted = (f64::from(*weighted) + expected * share) / information;
-            let fits = share <= 0.0 || FITTING.contains(&(fitted / share));
+            let wrong = (fitted - share).abs() * f64::from(*arriving_share);
+            let fits = share <= 0.0 || FITTING.contains(&(fitted / share)) || wrong < WRONG_LIGHT;
             let amount = if fits { fitted.clamp(0.0, LARGEST_AMOUNT) } else { share };
             (amount as f32, (information as f32, fits))
         };
-        let cells = information.data().par_iter().zip(weighted.data()).map(of_cell);
+        let cells = information.data().par_iter().zip(weighted.data()).zip(self.arriving_share.data()).map(of_cell);
         let (share, (information, fits)): (Vec<f32>, (Vec<f32>, Vec<bool>)) = cells.unzip();
         let (width, height) = weighted.size();
         let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
@@ -134,7 +142,7 @@ impl Fit {
             if known <= 0.0 || self.precision.data()[cell] <= 0.0 {
                 return (0.0, 0.0);
             }
-            let mean = f64::from(excess.data()[cell]) / known;
+            let mean = (f64::from(excess.data()[cell]) / known).max(0.0);
             let variance = (known * cells).recip();
             let model = MODEL_ERROR * f64::from(share.data()[cell] * arriving.data()[cell]);
             let insignificant = SIGNIFICANT.powi(2) * (variance + model.powi(2)) / mean.powi(2).max(f64::MIN_POSITIVE);
