@@ -17,6 +17,8 @@ const FITTING: std::ops::RangeInclusive<f64> = 0.2..=3.0;
 const WRONG_LIGHT: f64 = 0.05;
 /// How wrong arriving light is for reasons that its noise does not show: patches, creases, normals between them.
 const MODEL_ERROR: f64 = 0.01;
+/// A window reaches into another paint where this share of it lies there.
+const REACHED: f32 = 0.01;
 /// Light from outside the surface is averaged over windows so many times as wide as those of the amount, and counts as far as
 /// it exceeds so many standard deviations.
 const WIDER: f64 = 2.0;
@@ -57,6 +59,8 @@ struct Shares {
     share: Plane,
     information: Plane,
     fits: Mask,
+    /// Whether the window holds no other paint.
+    is_clear: Mask,
 }
 
 impl Fit {
@@ -87,8 +91,8 @@ impl Fit {
 
     /// The amount in windows; `share` is that of the whole object.
     pub(super) fn amount(&self, arriving: &Plane, share: f64, sigma_px: f64) -> Amount {
-        let Shares { share, information, fits } = self.shares(share, sigma_px);
-        let (outside, of_outside) = self.outside(arriving, &share, &fits, WIDER * sigma_px);
+        let Shares { share, information, fits, is_clear } = self.shares(share, sigma_px);
+        let (outside, of_outside) = self.outside(arriving, &share, &is_clear, WIDER * sigma_px);
         let cells = cells_of_window(sigma_px);
         let of_cell = |cell: usize| {
             let (arriving, share) = (f64::from(arriving.data()[cell]), f64::from(share.data()[cell]));
@@ -106,6 +110,7 @@ impl Fit {
     /// s in windows, `share` where they say nothing.
     fn shares(&self, share: f64, sigma_px: f64) -> Shares {
         let share = share.min(LARGEST_AMOUNT);
+        let share_of_object = share;
         let expected = (EXPECTED_SPREAD * share.max(0.01)).powi(-2) / cells_of_window(sigma_px);
         let (information, weighted) = (gaussian(&self.information, sigma_px), gaussian(&self.weighted, sigma_px));
         let of_cell = |((information, weighted), arriving_share): ((&f32, &f32), &f32)| {
@@ -121,25 +126,30 @@ impl Fit {
         let (width, height) = weighted.size();
         let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
         let fits = Mask::from_vec(width, height, fits).unwrap_or_default();
-        Shares { share: plane(share), information: plane(information), fits }
+        // Windows that reach into another paint say nothing of this one.
+        let other = gaussian(&fits.map(|fits| if fits { 0.0 } else { 1.0 }), sigma_px);
+        let is_clear = other.map(|other| other < REACHED);
+        let of_object = share_of_object as f32;
+        let share = share.into_iter().zip(is_clear.data()).map(|(own, clear)| if *clear { own } else { of_object });
+        Shares { share: plane(share.collect()), information: plane(information), fits, is_clear }
     }
 
     /// What the colours show of indirect light beyond s times what arrives, averaged in windows, and its variance: light of surfaces
     /// that the camera does not see.
-    fn outside(&self, arriving: &Plane, share: &Plane, fits: &Mask, sigma_px: f64) -> (Plane, Plane) {
+    fn outside(&self, arriving: &Plane, share: &Plane, is_clear: &Mask, sigma_px: f64) -> (Plane, Plane) {
         let (width, height) = arriving.size();
         let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
         let excess = |cell: usize| {
             let (precision, arriving) = (self.precision.data()[cell], share.data()[cell] * arriving.data()[cell]);
             let excess = self.weighted_light.data()[cell] - precision * arriving;
-            if fits.data()[cell] { (precision, excess) } else { (0.0, 0.0) }
+            if is_clear.data()[cell] { (precision, excess) } else { (0.0, 0.0) }
         };
         let (precision, excess): (Vec<f32>, Vec<f32>) = (0..width * height).into_par_iter().map(excess).unzip();
         let (precision, excess) = (gaussian(&plane(precision), sigma_px), gaussian(&plane(excess), sigma_px));
         let cells = cells_of_window(sigma_px);
         let of_cell = |cell: usize| {
             let known = f64::from(precision.data()[cell]);
-            if known <= 0.0 || self.precision.data()[cell] <= 0.0 {
+            if known <= 0.0 || self.precision.data()[cell] <= 0.0 || !is_clear.data()[cell] {
                 return (0.0, 0.0);
             }
             let mean = (f64::from(excess.data()[cell]) / known).max(0.0);
