@@ -40,7 +40,7 @@ pub use reconstruct::{
 pub use scene::{Scene, camera_of};
 pub use surfaces::{Surface, SurfaceName};
 pub use survey::{Exposed, region_of, survey, thumbnail};
-pub use trust::{ObjectLevels, judge, rig_of};
+pub use trust::{ObjectLevels, judge, judge_method, rig_of};
 pub use truth::truth_mesh;
 pub(crate) use watch::Part;
 pub use watch::{PipelineWatch, Stage, Unattended};

@@ -17,8 +17,7 @@ use super::methods::{white_light, white_light_if_known};
 use super::watch::Part;
 use super::{
     AlbedoScale, Calibrated, Found, Input, Known, Method, MethodReport, ObjectLevels, ObjectPhotos, PhotoStore,
-    PipelineError, PipelineWatch, Scene, Stage, StageCost, Surface, calibrate_for, judge, load_object,
-    trust::judge_method,
+    PipelineError, PipelineWatch, Scene, Stage, StageCost, Surface, calibrate_for, judge, judge_method, load_object,
 };
 use crate::set::{CaptureSet, ShapeSettings};
 
@@ -201,7 +200,10 @@ pub fn reconstruct(
         after => after,
     };
     let trust = match report.colours_and_shape() {
-        Some(solved) => judge_method(&scene, &separated.reports, solved, after.as_ref().ok()),
+        Some(solved) => {
+            let shape = after.as_ref().ok().map(|after| &*after.shape);
+            judge_method(&scene.calibrated, &separated.reports, solved, shape)
+        }
         None => {
             let levels = ObjectLevels::of(&scene.set, &scene.object);
             judge(&scene.set, &levels, &scene.calibrated, &options.trust(options.calibrated_bounces_of(&scene.set)))?

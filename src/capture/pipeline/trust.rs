@@ -6,10 +6,11 @@ use firstbounce_core::Photo;
 use firstbounce_core::interval::Estimate;
 use firstbounce_core::separate::{SeparateReport, typical_light};
 use firstbounce_core::stereo::normals::Lamp;
+use firstbounce_core::stereo::shape::Shape;
 use firstbounce_core::trust::{self, ByShapeLevels, LightLevels, Limits, Rig, Trust, TrustOptions};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
-use super::{Calibrated, ColoursAndShapeSolved, Known, ObjectPhotos, PipelineError, Scene, Surface};
+use super::{Calibrated, ColoursAndShapeSolved, Known, ObjectPhotos, PipelineError};
 use crate::set::{CaptureSet, Light, Subject};
 
 /// Enough pixels for a mean.
@@ -69,16 +70,16 @@ pub fn judge(
 }
 
 /// Judges what colours and shape together found, by the method's own numbers.
-pub(super) fn judge_method(
-    scene: &Scene,
+pub fn judge_method(
+    calibrated: &Calibrated,
     lights: &[SeparateReport],
     solved: &ColoursAndShapeSolved,
-    surface: Option<&Surface>,
+    shape: Option<&Shape>,
 ) -> Trust {
-    let beta = scene.calibrated.beta.as_deref().map_or_else(Vec::new, estimates);
+    let beta = calibrated.beta.as_deref().map_or_else(Vec::new, estimates);
     let levels = ByShapeLevels {
         lights,
-        normal_noise_deg: surface.map(|surface| surface.shape.report.normals.mean_noise_deg),
+        normal_noise_deg: shape.map(|shape| shape.report.normals.mean_noise_deg),
         beta: &beta,
         closure: solved.report.closure.as_ref(),
     };

@@ -64,14 +64,27 @@ fn in_one_colour(ui: &mut Ui, document: &Document, session: &mut Session) {
     }
 }
 
+/// What the method in force says of its own result, where that is there; until then the paper's bounces are judged.
+fn verdict_of_method(document: &Document, session: &Session) -> Option<Trust> {
+    let is_ready = session.results.state(Step::Shape, document) == StageState::Ready;
+    let shapes = session.results.shapes().filter(|_| is_ready && document.method() == Method::ColoursAndShape)?;
+    Some(shapes.trust.clone())
+}
+
 impl Separate {
     fn in_colours(&mut self, ui: &mut Ui, document: &Document, session: &mut Session) {
         let options = document.options(document.method());
         let options = options.trust(options.calibrated_bounces_of(&document.set));
         let trust = self.verdict(document, options, session);
+        let of_method = verdict_of_method(document, session);
         match &trust {
             Ok(trust) => {
-                part(ui, "verdict", |ui| verdict::ui(ui, trust, document, session));
+                let in_force = of_method.as_ref().unwrap_or(trust);
+                part(ui, "verdict", |ui| verdict::ui(ui, in_force, document, session));
+                if document.method() == Method::ColoursAndShape {
+                    part(ui, "in force", |ui| numbers::of_normals(ui, in_force));
+                    ui.label(RichText::new("The paper's bounces, for comparison").weak());
+                }
                 part(ui, "numbers", |ui| numbers::ui(ui, trust));
             }
             Err(error) => advice(ui, &error.to_string()),

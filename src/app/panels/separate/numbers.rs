@@ -51,6 +51,15 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
     });
 }
 
+/// What the method in force expects of the normals.
+pub fn of_normals(ui: &mut Ui, trust: &Trust) {
+    let Some(normal) = &trust.normal else { return };
+    Grid::new("expected errors of the normals").num_columns(2).striped(true).show(ui, |ui| {
+        row(ui, "Expected error by noise", &angle(normal.denoised_noise_deg), "Root mean square angle over the object");
+        row(ui, "Expected error by beta", &angle(normal.calibration_deg), "By the interval of beta");
+    });
+}
+
 /// The same, light by light.
 pub fn lights(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
     CollapsingHeader::new("Each light").id_salt("each light").show(ui, |ui| each_light(ui, trust, set));

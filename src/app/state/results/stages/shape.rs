@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use firstbounce_capture::pipeline::{ObjectLevels, SolveOptions, SurfaceName, judge, raw_lights, recover};
+use firstbounce_capture::pipeline::{
+    ObjectLevels, SolveOptions, SurfaceName, judge, judge_method, raw_lights, recover,
+};
 use firstbounce_capture::set::ShapeSettings;
 use firstbounce_core::stereo::shape::Shape;
 use firstbounce_core::trust::Trust;
@@ -94,8 +96,6 @@ fn shapes(
     let scene = options.method.scene_of(scene(&document.set, loaded, rig)?, options);
     let of_scene = (!sees_all).then(|| ObjectLevels::of(&scene.set, &scene.object));
     let levels = of_scene.as_ref().unwrap_or(&loaded.levels);
-    let trust_options = options.trust(options.calibrated_bounces_of(&scene.set));
-    let trust = judge(&scene.set, levels, &scene.calibrated, &trust_options)?;
     // Lights that are left out are left out of both, so that before and after differ by the separation alone.
     let after = match &light.after {
         Some(after) => after.clone(),
@@ -106,6 +106,13 @@ fn shapes(
         None => {
             let raw = raw_lights(&scene.object, job)?;
             Arc::new(recover(&scene, &raw.direct(), &options.left_out, &options.shape, job)?)
+        }
+    };
+    let trust = match light.report.colours_and_shape() {
+        Some(solved) => judge_method(&scene.calibrated, &light.separated.reports, solved, Some(&after)),
+        None => {
+            let trust_options = options.trust(options.calibrated_bounces_of(&scene.set));
+            judge(&scene.set, levels, &scene.calibrated, &trust_options)?
         }
     };
     let turned = before.normals.map.angular_error(&after.normals.map, &after.normals.solved());
