@@ -38,8 +38,12 @@ fn from_the_demo_by_click_and_order_to_a_mesh_that_others_read() {
         assert!((shown - alpha).abs() < 1e-9, "{light}: {shown} in the window, {alpha} by the command line");
     }
 
-    // Separate: the verdict follows m and beta at once.
+    // Separate: colours and shape together are fine; the paper's bounces are not, and their verdict follows m and beta at once.
     hands.open_step("3  Separate");
+    hands.rest();
+    assert!(hands.sees("Fine") && !hands.sees("too dark"));
+    hands.harness.get_by_role_and_label(Role::RadioButton, "Colours (the paper's bounces)").click();
+    hands.steps();
     hands.harness.get_by_role_and_label(Role::RadioButton, "m = 2").click();
     hands.steps();
     assert!(hands.sees("Take care") && hands.sees("too dark"));

@@ -7,7 +7,7 @@ use crate::stereo::shape::Shape;
 use crate::{Camera, Mask};
 
 /// A facet seen more obliquely than this is taken as if it were seen so, or its area would have no end.
-const GRAZING: f64 = 0.05;
+const GRAZING: f64 = 0.02;
 
 /// The patches of one size, row by row; the area of those outside the object is zero.
 pub(super) struct Level {
