@@ -9,7 +9,7 @@ use crate::app::state::session::Session;
 
 /// Nothing for a method without numbers of its own.
 pub fn ui(ui: &mut Ui, session: &mut Session, document: &Document, method: Method) {
-    let needs_albedo = method.needs().absolute_albedo;
+    let needs_albedo = method.needs().absolute_albedo || method.compares_albedo();
     if !needs_albedo && method != Method::Shape {
         return;
     }

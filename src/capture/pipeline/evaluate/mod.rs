@@ -24,7 +24,7 @@ use judge::{Judge, Truth, mask_where};
 pub use record::{Angles, Evaluation, MethodErrors, NayarErrors, NayarIteration, NormalErrors};
 
 /// Surfaces that an evaluation recovers, for its progress.
-const SURFACES: usize = 5;
+const SURFACES: usize = 6;
 
 /// Solves the set before separation, by the method in force and with its true direct light, and compares each with the true
 /// normals and depth. A light that surfaces are recovered without is left out of all of it.

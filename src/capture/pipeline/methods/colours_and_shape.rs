@@ -5,7 +5,7 @@ use firstbounce_core::methods::colours_and_shape::{
     beta_of_object, separate_by_colours_and_shape,
 };
 use firstbounce_core::separate::{LightPhotos, SeparateReport, Separation};
-use firstbounce_core::stereo::normals::NormalsError;
+use firstbounce_core::stereo::normals::{NormalsError, Paint};
 use firstbounce_core::stereo::shape::ShapeError;
 
 use super::super::calibrate::Source;
@@ -15,7 +15,7 @@ use super::super::{
 };
 use super::shape::white_light_if_known;
 use super::{Found, Input, MethodReport, Needs, OnShape, Row};
-use crate::set::CaptureSet;
+use crate::set::{CaptureSet, Method};
 
 pub(super) const ROW: Row = Row {
     title: "colours and shape",
@@ -135,6 +135,8 @@ pub(in super::super) fn add_beta_of_object(
     let unknown = vec![1.0; set.colours.len()];
     let scene = Scene::of(set, object, calibrated);
     let part = Part::of(watch, Stage::Calibrate, 1, 2);
+    // Beta is the paint's: it must not depend on the method that it is used by.
+    let options = &SolveOptions { method: Method::ColoursAndShape, paint: Paint::Auto, ..options.clone() };
     let told = with_photographed(&scene, &unknown, &options.left_out, white_light, |photographed| {
         beta_of_object(photographed, &options.colours_and_shape, &options.shape_after(), &part).map_err(failed)
     })?;

@@ -142,7 +142,7 @@ impl Method {
     }
 
     /// Whether it uses the light of a white facet where that is known.
-    pub(super) fn compares_albedo(self) -> bool {
+    pub fn compares_albedo(self) -> bool {
         self.row().compares_albedo
     }
 

@@ -89,7 +89,7 @@ impl ColoursAndShapeRecord {
 
     /// Albedo and amount in a line; `None` without a shape.
     pub fn line(&self) -> Option<String> {
-        let amount = self.amount?;
+        let amount = self.amount.filter(AmountReport::is_known)?;
         let range =
             format!("amount of indirect light s {:.3}, uneven by {:.0} %", amount.mean, 100.0 * amount.unevenness);
         Some(match self.k.zip(self.s_over_k) {

@@ -39,13 +39,15 @@ pub struct AmountReport {
     pub outside_share: f64,
 }
 
+/// More is no measure of anything.
+const LARGEST_UNEVENNESS: f64 = 10.0;
 /// Where noise alone leaves the mean uncertain by more than this, parts of the object differ by noise: hardly any light arrives.
 const LARGEST_NOISE: f64 = 0.005;
 
 impl AmountReport {
     /// Whether walls that send light are likely out of view.
     pub fn is_uneven(&self) -> bool {
-        self.is_known() && self.unevenness > MAX_UNEVENNESS
+        self.is_known() && self.median > 0.0 && self.unevenness > MAX_UNEVENNESS
     }
 
     /// Whether the colours of a part of the object do not fit beta.
@@ -114,7 +116,7 @@ impl Tiles {
             mean,
             median: quantile(&known, 0.5),
             lowest: quantile(&known, 0.1),
-            unevenness: spread / quantile(&known, 0.5).max(f64::MIN_POSITIVE),
+            unevenness: (spread / quantile(&known, 0.5).abs().max(f64::MIN_POSITIVE)).min(LARGEST_UNEVENNESS),
             noise,
             other_paint_share: 0.0,
             outside_share: 0.0,

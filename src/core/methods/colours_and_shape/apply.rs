@@ -85,7 +85,7 @@ fn jobs_of(lights: &mut [SeparatedLight], pixels: usize) -> Vec<Vec<Target<'_>>>
 fn solve(target: &mut Target, at: usize, pixel: usize, light: &LightPhotos, indirect: &Indirect, around: &Around) {
     let mean = |value: &dyn Fn(usize) -> f32| around.iter().map(|&(cell, weight)| weight * value(cell)).sum::<f32>();
     let (mut split, mut marks) = (Split::default(), 0);
-    for (c, photo) in light.photos.iter().enumerate().take(indirect.colours_at(around[0].0)) {
+    for (c, photo) in light.photos.iter().enumerate().take(indirect.colours_at(nearest(around))) {
         let mark = photo.marks.data()[pixel];
         marks |= mark;
         if mark == 0 {
@@ -95,7 +95,7 @@ fn solve(target: &mut Target, at: usize, pixel: usize, light: &LightPhotos, indi
         }
     }
     let known = match &indirect.amount {
-        Some(amount) if split.has_light() => {
+        Some(amount) if split.has_light() && around.iter().any(|(_, weight)| *weight > 0.0) => {
             let (light, variance) =
                 (mean(&|cell| amount.light.data()[cell]), mean(&|cell| amount.variance.data()[cell]));
             Some((f64::from(light), split.direct_given(f64::from(light), f64::from(variance))))
@@ -114,6 +114,11 @@ fn solve(target: &mut Target, at: usize, pixel: usize, light: &LightPhotos, indi
     target.indirect[at] = indirect as f32;
     target.noise[at] = variance.sqrt() as f32;
     target.marks[at] = marks;
+}
+
+/// The cell of the largest weight.
+fn nearest(around: &Around) -> usize {
+    around.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(cell, _)| *cell)
 }
 
 /// `N_c / alpha_c` and one over its variance.

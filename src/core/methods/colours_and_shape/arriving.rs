@@ -42,7 +42,9 @@ pub(super) fn arriving_light(
             None => None,
         };
         let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
-        watch.progress(finished as f32 / tiles as f32);
+        if finished.is_multiple_of(columns) {
+            watch.progress(finished as f32 / tiles as f32);
+        }
         light
     };
     let found: Vec<_> = (0..tiles).into_par_iter().filter_map(of_tile).collect();

@@ -78,7 +78,9 @@ impl Fit {
         let arriving_share = |cell: usize| arriving.data()[cell] / reference[cell].max(f32::MIN_POSITIVE);
         let (width, height) = grid.size();
         let cells = (0..width * height).into_par_iter().map(of_cell);
-        let ((information, weighted), (precision, light)): ((Vec<f32>, Vec<f32>), (Vec<f32>, Vec<f32>)) = cells.unzip();
+        let (of_share, of_light): (Vec<_>, Vec<_>) = cells.unzip();
+        let (information, weighted) = of_share.into_iter().unzip();
+        let (precision, light) = of_light.into_iter().unzip();
         let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
         Self {
             information: plane(information),

@@ -280,7 +280,7 @@ pub fn normals_into(
         paint.one = options.paint == Paint::One || paint.stray_share <= MAX_STRAY_SHARE;
         if paint.one {
             one_paint::refine_all(&stage, normals, paint.albedo, watch);
-            report.mean_noise_deg = mean_noise_deg(normals);
+            report = refined(report, normals);
         }
     }
     if watch.cancelled() {
@@ -289,12 +289,22 @@ pub fn normals_into(
     Ok(report)
 }
 
-fn mean_noise_deg(normals: &Normals) -> f64 {
-    let solved = normals.marks.data().par_iter().zip(normals.noise_deg.data());
-    let solved = solved.filter(|(marks, _)| **marks & (UNSOLVED | OUTSIDE) == 0);
-    let (sum, count) =
-        solved.map(|(_, noise)| (f64::from(*noise), 1usize)).reduce(|| (0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    sum / count.max(1) as f64
+/// What normals report that were refined to one albedo.
+fn refined(report: NormalsReport, normals: &Normals) -> NormalsReport {
+    let Normals { albedo, noise_deg, marks, .. } = normals;
+    let pixels = (marks.data().par_iter(), albedo.data(), noise_deg.data()).into_par_iter();
+    let solved = pixels.filter(|(marks, ..)| **marks & (UNSOLVED | OUTSIDE) == 0);
+    let of_pixel = |(marks, albedo, noise_deg): (&u8, &f32, &f32)| Tally {
+        solved: 1,
+        shadowed: usize::from(marks & SHADOWED != 0),
+        shadow_used: usize::from(marks & SHADOW_USED != 0),
+        albedo: f64::from(*albedo),
+        noise_deg: f64::from(*noise_deg),
+        ..Tally::default()
+    };
+    let tally = solved.map(of_pixel).reduce(Tally::default, Tally::join);
+    let of_refined = tally.report(report.lights, report.condition_number);
+    NormalsReport { unsolved_pixels: report.unsolved_pixels, paint: report.paint, ..of_refined }
 }
 
 /// Sums over pixels.

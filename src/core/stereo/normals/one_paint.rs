@@ -15,6 +15,8 @@ use crate::separate::{OUTSIDE, UNSOLVED};
 const SAMPLED_PIXELS: usize = 20_000;
 /// With the albedo known, two lights give a normal: those in shadow are left out.
 const LIGHTS_FOR_ONE_PAINT: usize = 2;
+/// Without it, a normal needs three.
+const LIGHTS_FOR_A_NORMAL: usize = 3;
 /// Refinements of the albedo.
 const ALBEDO_ROUNDS: usize = 4;
 /// Steps of Gauss-Newton, and the turn after which it has come to rest.
@@ -34,21 +36,19 @@ pub(super) fn judge(stage: &Stage, normals: &Normals) -> Option<PaintReport> {
     let count = normals.marks.data().par_iter().filter(|marks| **marks == 0).count();
     let every = (count / SAMPLED_PIXELS).max(1);
     let pixels: Vec<usize> = (0..normals.marks.data().len()).filter(unmarked).step_by(every).collect();
-    let mut all: Vec<(Vec<Sample>, Vector3<f64>)> = Vec::with_capacity(pixels.len());
-    all.extend(
-        pixels.iter().filter_map(|&pixel| Some((stage.samples(pixel), normals.map.at_index(pixel)?.cast::<f64>()))),
-    );
-    let mut albedo = median(pixels.iter().map(|&pixel| f64::from(normals.albedo.data()[pixel])).collect())?;
-    let stray = all.par_iter().zip(&pixels).filter(|((samples, normal), pixel)| {
-        let own = f64::from(normals.albedo.data()[**pixel]);
-        (own - albedo).abs() > STRAY * albedo + 3.0 * noise_of_albedo(samples, normal)
-    });
-    let stray_share = stray.count() as f64 / all.len().max(1) as f64;
+    let with_normal = |pixel: usize| Some((pixel, stage.samples(pixel), normals.map.at_index(pixel)?.cast::<f64>()));
+    let mut all: Vec<_> = pixels.into_iter().filter_map(with_normal).collect();
+    let own = |pixel: usize| f64::from(normals.albedo.data()[pixel]);
+    let mut albedo = median(all.iter().map(|(pixel, ..)| own(*pixel)).collect())?;
+    let is_stray = |(pixel, samples, normal): &&(usize, Vec<Sample>, Vector3<f64>)| {
+        (own(*pixel) - albedo).abs() > STRAY * albedo + 3.0 * noise_of_albedo(samples, normal)
+    };
+    let stray_share = all.par_iter().filter(is_stray).count() as f64 / all.len().max(1) as f64;
     for _ in 0..ALBEDO_ROUNDS {
-        all.par_iter_mut().for_each(|(samples, normal)| {
+        all.par_iter_mut().for_each(|(_, samples, normal)| {
             *normal = refine(samples, *normal, albedo, false).map_or(*normal, |refined| refined.normal);
         });
-        albedo = median(all.par_iter().map(|(samples, normal)| albedo_of(samples, normal)).collect())?;
+        albedo = median(all.par_iter().map(|(_, samples, normal)| albedo_of(samples, normal)).collect())?;
     }
     Some(PaintReport { one: true, albedo, stray_share })
 }
@@ -64,14 +64,15 @@ pub(super) fn refine_all(stage: &Stage, normals: &mut Normals, albedo: f64, watc
                 return;
             }
             for (at, marks) in marks.iter_mut().enumerate().filter(|(_, marks)| **marks & (UNSOLVED | OUTSIDE) == 0) {
-                let mut samples = stage.samples(job * JOB + at);
-                let left_out = stage.leave_out_shadows(&mut samples, LIGHTS_FOR_ONE_PAINT) == SHADOWED;
+                let (samples, left_out, _) = stage.used(job * JOB + at, LIGHTS_FOR_ONE_PAINT);
                 let normal = Vector3::new(x[at], y[at], z[at]).cast::<f64>();
-                let Some(refined) = refine(&samples, normal, albedo, left_out) else { continue };
+                let Some(refined) = refine(&samples, normal, albedo, samples.len() < LIGHTS_FOR_A_NORMAL) else {
+                    continue;
+                };
                 [x[at], y[at], z[at]] = refined.normal.cast::<f32>().into();
                 albedos[at] = albedo_of(&samples, &refined.normal) as f32;
                 noise_deg[at] = refined.noise_deg as f32;
-                if left_out {
+                if left_out & SHADOWED != 0 {
                     *marks = *marks & !SHADOW_USED | SHADOWED;
                 }
             }
@@ -86,13 +87,13 @@ struct Refined {
 
 /// The unit normal that explains the light of one pixel best; `None` where the light says too little. A lamp behind the
 /// surface says nothing; then, or where lights were left out, the others decide, and the normal is held near where it was.
-fn refine(samples: &[Sample], start: Vector3<f64>, albedo: f64, left_out: bool) -> Option<Refined> {
+fn refine(samples: &[Sample], start: Vector3<f64>, albedo: f64, is_short: bool) -> Option<Refined> {
     let mut normal = start;
     let mut noise_deg = 0.0;
     for _ in 0..MAX_STEPS {
         let (u, v) = tangents(&normal);
         let (mut matrix, mut noise, mut right) = (Matrix2::zeros(), Matrix2::zeros(), Vector2::zeros());
-        let mut is_held = left_out;
+        let mut is_held = is_short;
         for sample in samples {
             let facing = sample.toward.dot(&normal);
             if facing <= 0.0 {

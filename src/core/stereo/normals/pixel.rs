@@ -82,23 +82,30 @@ impl<'a> Stage<'a> {
 
     /// The normal at a pixel inside the mask.
     pub fn solve(&self, pixel: usize) -> PixelNormal {
+        let reasons = self.lights.iter().fold(0, |marks, light| marks | light.marks.data()[pixel]) & REASONS;
+        let (samples, left_out, fit) = self.used(pixel, 3);
+        match fit {
+            Some(fit) => fit.into_normal(&samples, reasons | left_out),
+            None => PixelNormal::none(reasons | left_out),
+        }
+    }
+
+    /// The lights at a pixel without those in shadow, as long as `needed` remain, and those that do not fit; the mark that says
+    /// what was left out; their fit.
+    pub fn used(&self, pixel: usize, needed: usize) -> (Vec<Sample>, u8, Option<Fit>) {
         let mut samples = self.samples(pixel);
-        let mut marks = self.lights.iter().fold(0, |marks, light| marks | light.marks.data()[pixel]) & REASONS;
-        marks |= self.leave_out_shadows(&mut samples, 3);
-        let Some(mut fit) = fit(&samples) else { return PixelNormal::none(marks) };
-        while let Some(worst) = self.worst_outlier(&samples, &fit.scaled) {
+        let mut marks = self.leave_out_shadows(&mut samples, needed);
+        let mut found = fit(&samples);
+        while let Some(worst) = found.as_ref().and_then(|fit| self.worst_outlier(&samples, &fit.scaled)) {
             samples.swap_remove(worst);
             marks |= SHADOWED;
-            match self::fit(&samples) {
-                Some(better) => fit = better,
-                None => return PixelNormal::none(marks),
-            }
+            found = fit(&samples);
         }
-        fit.into_normal(&samples, marks)
+        (samples, marks, found)
     }
 
     /// Leaves shadowed lights out while at least `needed` remain; returns the mark that says what was done.
-    pub fn leave_out_shadows(&self, samples: &mut Vec<Sample>, needed: usize) -> u8 {
+    fn leave_out_shadows(&self, samples: &mut Vec<Sample>, needed: usize) -> u8 {
         let brightest = samples.iter().map(Sample::relative).fold(0.0, f64::max);
         let lit = |sample: &Sample| sample.relative() >= self.options.shadow_fraction * brightest;
         match samples.iter().filter(|sample| lit(sample)).count() {
@@ -126,7 +133,7 @@ impl<'a> Stage<'a> {
 }
 
 /// The least-squares solution of `light_l = toward_l . scaled`.
-struct Fit {
+pub(super) struct Fit {
     /// Albedo times normal.
     scaled: Vector3<f64>,
     inverse: Matrix3<f64>,

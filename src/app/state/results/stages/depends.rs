@@ -60,6 +60,7 @@ impl LightBy {
         let colours = || Some((alpha()?, bits(rig.beta.as_ref()?)));
         let given = &set.calibration;
         let scale = [given.grey_albedo, rig.grey_light, given.white_light].map(|value| value.map(f64::to_bits));
+        let looks_at_white = needs.absolute_albedo || method.compares_albedo();
         Some(Self {
             method,
             load,
@@ -69,8 +70,8 @@ impl LightBy {
             placement: (method != Method::Colours).then(|| Placement::of(set, &calibration)),
             settings: settings_of(method, &set.shape),
             nayar: (method == Method::Shape).then(|| known.document.settings.nayar.clone()),
-            scale: needs.absolute_albedo.then_some(scale),
-            calibrate: (needs.absolute_albedo && rig.grey_light.is_none()).then_some(calibrate),
+            scale: looks_at_white.then_some(scale),
+            calibrate: (looks_at_white && rig.grey_light.is_none()).then_some(calibrate),
         })
     }
 }
