@@ -11,8 +11,10 @@ use crate::{Mask, Plane};
 const EXPECTED_SPREAD: f64 = 0.3;
 /// No paint reflects more than it receives; surfaces out of view may send half as much again.
 const LARGEST_AMOUNT: f64 = 1.5;
-/// Relative to that of the object, amounts that walls out of view or errors of the shape can explain.
-const FITTING: std::ops::RangeInclusive<f64> = 0.2..=3.0;
+/// Relative to that of the object, the least amount that errors of the shape can explain; walls out of view only raise it.
+const LEAST_FITTING: f64 = 0.2;
+/// Where more of the object than this seems to be of another paint, the shape is wrong and not the paint.
+const MOST_OTHER_PAINT: f64 = 0.5;
 /// Another paint makes the indirect light wrong by more than this share of all light; less is an error of arriving light.
 const WRONG_LIGHT: f64 = 0.05;
 /// How wrong arriving light is for reasons that its noise does not show: patches, creases, normals between them.
@@ -119,7 +121,7 @@ impl Fit {
             let information = f64::from(*information) + expected;
             let fitted = (f64::from(*weighted) + expected * share) / information;
             let wrong = (fitted - share).abs() * f64::from(*arriving_share);
-            let fits = share <= 0.0 || FITTING.contains(&(fitted / share)) || wrong < WRONG_LIGHT;
+            let fits = share <= 0.0 || fitted > LEAST_FITTING * share || wrong < WRONG_LIGHT;
             let amount = if fits { fitted.clamp(0.0, LARGEST_AMOUNT) } else { share };
             (amount as f32, (information as f32, fits))
         };
@@ -127,6 +129,9 @@ impl Fit {
         let (share, (information, fits)): (Vec<f32>, (Vec<f32>, Vec<bool>)) = cells.unzip();
         let (width, height) = weighted.size();
         let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
+        let other = fits.par_iter().filter(|fits| !**fits).count() as f64;
+        let known = self.precision.data().par_iter().filter(|precision| **precision > 0.0).count() as f64;
+        let fits = if other > MOST_OTHER_PAINT * known { vec![true; fits.len()] } else { fits };
         let fits = Mask::from_vec(width, height, fits).unwrap_or_default();
         // Windows that reach into another paint say nothing of this one.
         let other = gaussian(&fits.map(|fits| if fits { 0.0 } else { 1.0 }), sigma_px);

@@ -71,6 +71,24 @@ impl Grid {
         }
     }
 
+    /// Gives colours that are clipped or dark in a cell the light that the reference colour there suggests, or the other way round, by
+    /// the `ratio` of each light and colour: it shines on other walls.
+    pub(super) fn fill_unusable(&mut self, ratio: impl Fn(usize, usize) -> f32) {
+        for (l, light) in self.lights.iter_mut().enumerate() {
+            let (reference, others) = light.colours.split_at_mut(1);
+            for (other, c) in others.iter_mut().zip(1..) {
+                let (ratio, a, b) = (ratio(l, c), &mut reference[0], other);
+                for cell in 0..a.precision.data().len() {
+                    match (a.precision.data()[cell] > 0.0, b.precision.data()[cell] > 0.0) {
+                        (true, false) => b.light.data_mut()[cell] = ratio * a.light.data()[cell],
+                        (false, true) if ratio > 0.0 => a.light.data_mut()[cell] = b.light.data()[cell] / ratio,
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+
     /// `(width, height)` in cells.
     pub(super) fn size(&self) -> (usize, usize) {
         self.mask.size()

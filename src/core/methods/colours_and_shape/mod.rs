@@ -220,8 +220,9 @@ impl OnGrid {
         on_shape: &mut dyn FnMut(&Shape),
     ) -> Result<Self, ColoursAndShapeError> {
         let Photographed { lights, mask, camera, .. } = *photographed;
-        let grid = Grid::new(lights, mask, camera, options.cells);
+        let mut grid = Grid::new(lights, mask, camera, options.cells);
         let even: Vec<_> = grid.lights.iter().map(|light| Indirect::even(light, &grid.mask)).collect();
+        grid.fill_unusable(|l, c| even[l].ratio[c].at(0));
         let (indirect, arriving) = (even.clone(), Vec::new());
         let mut found = Self { grid, even, indirect, arriving, amount: None, shape: None, no_shape: None };
         for round in 0..options.rounds {

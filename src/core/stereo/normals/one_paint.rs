@@ -32,11 +32,16 @@ const STRAY: f64 = 0.1;
 
 /// What the albedos of an object say about its paint.
 pub(super) fn judge(stage: &Stage, normals: &Normals) -> Option<PaintReport> {
-    let unmarked = |&pixel: &usize| normals.marks.data()[pixel] == 0;
-    let count = normals.marks.data().par_iter().filter(|marks| **marks == 0).count();
+    // Under low lamps hardly a pixel is lit by all of them: the lights that normals need are enough.
+    let is_lit = |marks: u8| marks & (UNSOLVED | OUTSIDE | SHADOW_USED) == 0;
+    let count = normals.marks.data().par_iter().filter(|marks| is_lit(**marks)).count();
     let every = (count / SAMPLED_PIXELS).max(1);
-    let pixels: Vec<usize> = (0..normals.marks.data().len()).filter(unmarked).step_by(every).collect();
-    let with_normal = |pixel: usize| Some((pixel, stage.samples(pixel), normals.map.at_index(pixel)?.cast::<f64>()));
+    let lit = (0..normals.marks.data().len()).filter(|&pixel| is_lit(normals.marks.data()[pixel]));
+    let pixels: Vec<usize> = lit.step_by(every).collect();
+    let with_normal = |pixel: usize| {
+        let (samples, ..) = stage.used(pixel, LIGHTS_FOR_A_NORMAL);
+        Some((pixel, samples, normals.map.at_index(pixel)?.cast::<f64>()))
+    };
     let mut all: Vec<_> = pixels.into_iter().filter_map(with_normal).collect();
     let own = |pixel: usize| f64::from(normals.albedo.data()[pixel]);
     let mut albedo = median(all.iter().map(|(pixel, ..)| own(*pixel)).collect())?;
