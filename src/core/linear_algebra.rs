@@ -77,7 +77,7 @@ where
 }
 
 /// The inverse; `None` where there is none, and for entries that are no numbers or too large.
-pub(crate) fn inverse(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+pub(crate) fn inverse<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
     if !is_bounded(matrix.iter()) {
         return None;
     }

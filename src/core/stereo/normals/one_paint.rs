@@ -9,6 +9,7 @@ use super::pixel::{Sample, Stage};
 use super::{Normals, PaintReport, SHADOW_USED, SHADOWED};
 use crate::Watch;
 use crate::block::JOB;
+use crate::linear_algebra;
 use crate::separate::{OUTSIDE, UNSOLVED};
 
 /// Enough pixels to know the albedo by.
@@ -114,7 +115,7 @@ fn refine(samples: &[Sample], start: Vector3<f64>, albedo: f64, is_short: bool) 
         let held = if is_held { HOLD * matrix.trace() } else { 0.0 };
         matrix += Matrix2::from_diagonal_element(held);
         right += held * Vector2::new((start - normal).dot(&u), (start - normal).dot(&v));
-        let inverse = matrix.try_inverse()?;
+        let inverse = linear_algebra::inverse(&matrix)?;
         let turn = inverse * right;
         noise_deg = (inverse * noise * inverse).trace().max(0.0).sqrt().to_degrees();
         normal = (normal + turn.x * u + turn.y * v).normalize();
