@@ -111,7 +111,8 @@ mod tests {
 
     fn sources(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
         for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            if entry.is_dir() && !entry.ends_with("tests") && !entry.ends_with("benches") {
+            let is_of_tests = ["tests", "benches", "testing"].iter().any(|folder| entry.ends_with(folder));
+            if entry.is_dir() && !is_of_tests {
                 sources(&entry, found);
             } else if entry.extension().is_some_and(|end| end == "rs") && !entry.ends_with("tests.rs") {
                 found.push(entry);
