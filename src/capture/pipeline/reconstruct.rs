@@ -214,6 +214,8 @@ pub fn reconstruct(
         (Ok(_), Some(before), _) => Some(before),
         (Ok(_), None, Some(shape)) => Some(surface(shape, &mut stages)?),
         (Ok(_), None, None) => {
+            let find_raw = || raw_lights(&scene.object, watch);
+            let raw = raw.map_or_else(|| StageCost::measure(&mut stages, Stage::Separate, find_raw), Ok)?;
             let shape = recover(&raw.direct(), &options.shape, 1, &mut stages)?;
             Some(surface(shape, &mut stages)?)
         }
@@ -241,8 +243,8 @@ pub struct Lit<'a> {
     pub set: Cow<'a, CaptureSet>,
     /// Photos and rig as the method looks at them.
     pub scene: Scene<'a>,
-    /// By light, the photos before separation.
-    pub raw: Separated,
+    /// By light, the photos before separation, where they were needed on the way.
+    pub raw: Option<Separated>,
     /// The surface that they show, where it was there already or the method needs it.
     pub before: Option<Arc<Shape>>,
     /// What the method found.
@@ -263,13 +265,15 @@ pub fn find_light<'a>(
         if needs.all_colours { scene.set.clone() } else { Cow::Owned(scene.set.without_lights(&options.left_out)) };
     let scene = method.scene_of(scene, options);
     let white = StageCost::measure(stages, Stage::Calibrate, || white_light_for(&scene, options, watch))?;
-    let raw = StageCost::measure(stages, Stage::Separate, || raw_lights(&scene.object, watch))?;
-    if needs.surface_before && before.is_none() {
+    let find_raw = || StageCost::measure(stages, Stage::Separate, || raw_lights(&scene.object, watch));
+    let raw = needs.surface_before.then(find_raw).transpose()?;
+    if let (Some(raw), None) = (&raw, &before) {
         let part = Part::of(watch, Stage::Shape, 0, 1);
         let recover = || recover(&scene, &raw.direct(), &options.left_out, &options.shape, &part);
         before = Some(Arc::new(StageCost::measure(stages, Stage::Shape, recover)?));
     }
-    let input = Input { scene: &scene, raw: &raw, before: before.as_deref(), white_light: white.as_ref(), options };
+    let input =
+        Input { scene: &scene, raw: raw.as_ref(), before: before.as_deref(), white_light: white.as_ref(), options };
     let found = StageCost::measure(stages, method.stage(), || method.direct_light(&input, watch, &mut |_| {}))?;
     Ok(Lit { set, scene, raw, before, found })
 }

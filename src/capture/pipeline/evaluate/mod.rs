@@ -52,7 +52,8 @@ pub fn evaluate(
     let raw = raw_lights(&object, watch)?;
     let before = shape(&raw.direct(), &options.shape)?;
     let white_light = white_light_for(&scene, options, watch)?;
-    let input = Input { scene: &scene, raw: &raw, before: Some(&before), white_light: white_light.as_ref(), options };
+    let input =
+        Input { scene: &scene, raw: Some(&raw), before: Some(&before), white_light: white_light.as_ref(), options };
     let mut on_the_way = Vec::new();
     let keep = &mut |shape: &Shape| {
         if options.method == Method::Shape {

@@ -54,8 +54,8 @@ pub type OnShape<'a> = dyn FnMut(&Shape) + 'a;
 pub struct Input<'a> {
     /// Photos and rig, in the colours that the method needs.
     pub scene: &'a Scene<'a>,
-    /// By light, the photos before separation.
-    pub raw: &'a Separated,
+    /// By light, the photos before separation, where the method needs the surface that they show.
+    pub raw: Option<&'a Separated>,
     /// The surface that they show, where the method needs it.
     pub before: Option<&'a Shape>,
     /// Linear light of a white facet that faces a lamp of intensity 1, where the method needs it, or uses it and it is known.

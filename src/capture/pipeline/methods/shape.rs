@@ -28,7 +28,9 @@ pub(super) const ROW: Row = Row {
 };
 
 fn direct_light(input: &Input, watch: &dyn PipelineWatch, on_shape: &mut OnShape) -> Result<Found, PipelineError> {
-    let (Input { scene, options, .. }, raw) = (input, input.raw.direct());
+    let Input { scene, options, .. } = input;
+    let photos = input.raw.ok_or(PipelineError::NoSurfaceBefore)?;
+    let raw = photos.direct();
     let pseudo_shape = input.before.ok_or(PipelineError::NoSurfaceBefore)?;
     let white_light = input.white_light.ok_or(PipelineError::NoWhiteLight)?;
     let camera = scene.camera();
@@ -41,7 +43,7 @@ fn direct_light(input: &Input, watch: &dyn PipelineWatch, on_shape: &mut OnShape
             on_shape(shape);
         })?;
     let ByShape { shape, direct, report } = found;
-    let mut separated = input.raw.clone();
+    let mut separated = photos.clone();
     let direct = replace_bounce_1(&mut separated, &scene.object.mask, raw, direct);
     let report = MethodReport::Nayar(NayarSolved { report, white_light: white_light.clone() });
     Ok(Found { separated, indirect: Vec::new(), direct, shape: Some(shape), report })

@@ -4,6 +4,7 @@
 
 use rayon::prelude::*;
 
+use super::fit::cells_of_window;
 use super::grid::{Grid, GridLight};
 use super::indirect::Indirect;
 use crate::image::gaussian::gaussian;
@@ -70,8 +71,7 @@ fn end_of_ratio(grid: &Grid, arriving: Option<Arriving>, c: usize) -> Option<End
     let beyond = &samples[..((BEYOND * count as f64) as usize).max(1)];
     let value = f64::from(beyond.last()?.ratio);
     let mean = |of: &dyn Fn(&Sample) -> f64| beyond.iter().map(of).sum::<f64>() / beyond.len() as f64;
-    // Independent cells that one window averages.
-    let averaged = (4.0 * std::f64::consts::PI * sigma * sigma).max(1.0);
+    let averaged = cells_of_window(sigma);
     let variance = mean(&|sample| {
         let relative = |c: usize| {
             let photo = &grid.lights[sample.light].colours[c];

@@ -171,7 +171,7 @@ impl Fit {
     }
 }
 
-/// Independent cells that one Gaussian window averages.
-fn cells_of_window(sigma_px: f64) -> f64 {
-    4.0 * std::f64::consts::PI * sigma_px * sigma_px
+/// Independent cells that one Gaussian window averages; a window within one cell averages that cell alone.
+pub(super) fn cells_of_window(sigma_px: f64) -> f64 {
+    (4.0 * std::f64::consts::PI * sigma_px * sigma_px).max(1.0)
 }

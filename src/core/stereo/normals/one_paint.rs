@@ -9,6 +9,7 @@ use super::pixel::{Sample, Stage};
 use super::{Normals, PaintReport, SHADOW_USED, SHADOWED};
 use crate::Watch;
 use crate::block::JOB;
+use crate::interval::median;
 use crate::linear_algebra;
 use crate::separate::{OUTSIDE, UNSOLVED};
 
@@ -45,7 +46,10 @@ pub(super) fn judge(stage: &Stage, normals: &Normals) -> Option<PaintReport> {
     };
     let mut all: Vec<_> = pixels.into_iter().filter_map(with_normal).collect();
     let own = |pixel: usize| f64::from(normals.albedo.data()[pixel]);
-    let mut albedo = median(all.iter().map(|(pixel, ..)| own(*pixel)).collect())?;
+    if all.is_empty() {
+        return None;
+    }
+    let mut albedo = median(&mut all.iter().map(|(pixel, ..)| own(*pixel)).collect::<Vec<_>>());
     let is_stray = |(pixel, samples, normal): &&(usize, Vec<Sample>, Vector3<f64>)| {
         (own(*pixel) - albedo).abs() > STRAY * albedo + 3.0 * noise_of_albedo(samples, normal)
     };
@@ -54,7 +58,7 @@ pub(super) fn judge(stage: &Stage, normals: &Normals) -> Option<PaintReport> {
         all.par_iter_mut().for_each(|(_, samples, normal)| {
             *normal = refine(samples, *normal, albedo, false).map_or(*normal, |refined| refined.normal);
         });
-        albedo = median(all.par_iter().map(|(_, samples, normal)| albedo_of(samples, normal)).collect())?;
+        albedo = median(&mut all.par_iter().map(|(_, samples, normal)| albedo_of(samples, normal)).collect::<Vec<_>>());
     }
     Some(PaintReport { one: true, albedo, stray_share })
 }
@@ -156,9 +160,4 @@ fn noise_of_albedo(samples: &[Sample], normal: &Vector3<f64>) -> f64 {
         Some(effects) => samples.iter().zip(effects).map(along).sum::<f64>().sqrt(),
         None => f64::INFINITY,
     }
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
