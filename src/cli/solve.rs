@@ -279,7 +279,7 @@ fn separation_lines(report: &Report) -> Vec<String> {
         rows.push(vec![
             light.clone(),
             format!("{:.2}", words.gain[0]),
-            format!("{:.1}", words.condition_number),
+            words.condition_number.map_or("-".into(), |condition| format!("{condition:.1}")),
             means.join(" "),
             left_out.to_string(),
         ]);

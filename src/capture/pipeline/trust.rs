@@ -7,7 +7,7 @@ use firstbounce_core::interval::Estimate;
 use firstbounce_core::separate::{SeparateReport, typical_light};
 use firstbounce_core::stereo::normals::Lamp;
 use firstbounce_core::stereo::shape::Shape;
-use firstbounce_core::trust::{self, ByShapeLevels, LightLevels, Limits, Rig, Trust, TrustOptions};
+use firstbounce_core::trust::{self, ColoursAndShapeLevels, LightLevels, Limits, Rig, Trust, TrustOptions};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use super::{Calibrated, ColoursAndShapeSolved, Known, ObjectPhotos, PipelineError};
@@ -77,7 +77,7 @@ pub fn judge_method(
     shape: Option<&Shape>,
 ) -> Trust {
     let beta = calibrated.beta.as_deref().map_or_else(Vec::new, estimates);
-    let levels = ByShapeLevels {
+    let levels = ColoursAndShapeLevels {
         lights,
         normal_noise_deg: shape.map(|shape| shape.report.normals.mean_noise_deg),
         beta: &beta,

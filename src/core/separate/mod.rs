@@ -141,16 +141,19 @@ pub struct SeparateReport {
     pub colours: usize,
     /// Gain of each bounce: its noise for unit noise on every N_c / alpha_c.
     pub gain: Vec<f64>,
-    /// Condition number of the matrix beta_c^k.
-    pub condition_number: f64,
+    /// Condition number of the matrix beta_c^k; `None` where another method than bounces made the report, as the residuals.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub condition_number: Option<f64>,
     /// Predicted noise (standard deviation) of each bounce at the object's typical light.
     pub noise: Vec<f64>,
     /// Mean of each bounce.
     pub mean: Vec<f64>,
     /// Root mean square residual over pixels and colours; 0 when n = m.
-    pub residual_rms: f64,
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub residual_rms: Option<f64>,
     /// The residual that noise alone would leave; 0 when n = m.
-    pub residual_expected: f64,
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub residual_expected: Option<f64>,
     /// Pixels inside the mask that were solved, with all colours or with enough of them.
     pub solved_pixels: usize,
     /// Of those, the pixels fitted without a clipped or dark colour.
@@ -264,10 +267,10 @@ fn report(tally: &apply::Tally, system: BounceSystem, sigma: &[f64], light: &Lig
         colours,
         noise: system.noise(sigma),
         mean: tally.sums.iter().map(|sum| sum / solved).collect(),
-        residual_rms: (tally.residual_squares / solved).sqrt(),
-        residual_expected: expected_residual(&system, sigma, light.alpha),
+        residual_rms: Some((tally.residual_squares / solved).sqrt()),
+        residual_expected: Some(expected_residual(&system, sigma, light.alpha)),
         gain: system.gain,
-        condition_number: system.condition_number,
+        condition_number: Some(system.condition_number),
         solved_pixels: tally.solved,
         reduced_pixels: tally.reduced,
         unsolved_clipped_pixels: tally.unsolved_clipped,

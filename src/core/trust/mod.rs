@@ -19,7 +19,7 @@ pub use advice::Advice;
 pub use options::{Limits, TrustOptions, TwoLimits};
 pub use pair::{ColourPair, gain_of_ratio, pairs};
 pub use reason::{NO_DIRECTION_DEG, Names, Reason};
-pub use shape::{ByShapeLevels, judge_colours_and_shape};
+pub use shape::{ColoursAndShapeLevels, judge_colours_and_shape};
 
 use crate::denoise::denoised_noise;
 use crate::interval::Estimate;
@@ -84,15 +84,17 @@ pub struct LightTrust {
     pub bounces: Vec<f64>,
     /// Noise of each bounce for unit noise on every N_c / alpha_c.
     pub gain: Vec<f64>,
-    /// Of the matrix beta_c^k.
-    pub condition_number: f64,
+    /// Of the matrix beta_c^k; `None` where no such matrix was solved.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub condition_number: Option<f64>,
     /// Expected noise of a pixel of bounce 1; infinite, as all percentages, where bounce 1 comes out negative.
     pub noise_percent: f64,
     /// The same once the noise of indirect light is averaged away ([`crate::denoise`]).
     #[cfg_attr(feature = "serde", serde(rename = "quiet_noise_percent"))]
     pub denoised_noise_percent: f64,
-    /// What the intervals of alpha and beta make of bounce 1 (standard deviation).
-    pub calibration_percent: f64,
+    /// What the intervals of alpha and beta make of bounce 1 (standard deviation); `None` where only their effect on normals is known.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub calibration_percent: Option<f64>,
     /// What light of more than m bounces adds to bounce 1 (negative: takes from it); `None` with one colour.
     #[cfg_attr(feature = "serde", serde(rename = "tail_percent"))]
     pub truncation_percent: Option<f64>,
@@ -139,7 +141,7 @@ impl Trust {
     /// The error of bounce 1 to be expected, as a percentage of it: noise and calibration at random, truncation on top.
     pub fn error_percent(&self) -> f64 {
         let of = |light: &LightTrust| {
-            light.denoised_noise_percent.hypot(light.calibration_percent)
+            light.denoised_noise_percent.hypot(light.calibration_percent.unwrap_or(0.0))
                 + light.truncation_percent.unwrap_or(0.0).abs()
         };
         match self.lights.len() {
@@ -205,12 +207,12 @@ fn light_trust(rig: &Rig, light: &LightLevels, system: &BounceSystem, options: &
     LightTrust {
         noise_percent: percent(noise),
         denoised_noise_percent: percent(denoised),
-        calibration_percent: percent(calibration.sqrt()),
+        calibration_percent: Some(percent(calibration.sqrt())),
         truncation_percent: return_share
             .map(|share| 100.0 * truncation::charge(system, &values(&light.alpha), &beta, share)),
         return_share,
         gain: system.gain.clone(),
-        condition_number: system.condition_number,
+        condition_number: Some(system.condition_number),
         bounces,
     }
 }

@@ -261,7 +261,7 @@ pub(super) fn reasons(
             let percent = lights[light].noise_percent;
             found.push(options.limits.light_percent.judged(percent, Reason::LightNoise { percent, light }));
         }
-        let calibration = worst(&|light| light.calibration_percent);
+        let calibration = worst(&|light| light.calibration_percent.unwrap_or(0.0));
         found.extend(calibration.and_then(|l| calibration_reason(rig, lights, l, options)));
     }
     found.extend(truncation_reason(lights, options));
@@ -291,7 +291,7 @@ fn calibration_reason(rig: &Rig, lights: &[LightTrust], light: usize, options: &
     let (alpha, beta) = (values(&levels.alpha), values(&rig.beta));
     let system = BounceSystem::new(&alpha, &beta, &levels.sigma, options.bounces).ok()?;
     let most = sources(rig, levels, &system, &lights[light].bounces).max_by(|a, b| a.sd(0).total_cmp(&b.sd(0)))?;
-    let percent = lights[light].calibration_percent;
+    let percent = lights[light].calibration_percent?;
     let reason = Reason::CalibrationError { percent, light, colour: most.colour, is_beta: most.is_beta };
     Some(options.limits.light_percent.judged(percent, reason))
 }

@@ -9,7 +9,7 @@ use crate::separate::SeparateReport;
 
 /// What the method reports.
 #[derive(Clone, Copy, Debug)]
-pub struct ByShapeLevels<'a> {
+pub struct ColoursAndShapeLevels<'a> {
     /// By light.
     pub lights: &'a [SeparateReport],
     /// Mean predicted noise of the normals in degrees; `None` without a surface.
@@ -21,7 +21,7 @@ pub struct ByShapeLevels<'a> {
 }
 
 /// Judges the direct light that colours and shape together give.
-pub fn judge_colours_and_shape(levels: &ByShapeLevels, limits: &Limits) -> Trust {
+pub fn judge_colours_and_shape(levels: &ColoursAndShapeLevels, limits: &Limits) -> Trust {
     let lights: Vec<_> = levels.lights.iter().map(light_trust).collect();
     let bends = bends(levels);
     let calibration_deg = bends.iter().map(|(_, degrees)| degrees.powi(2)).sum::<f64>().sqrt();
@@ -55,7 +55,7 @@ fn is_of_beta(finding: &ClosureFinding) -> bool {
 }
 
 /// By colour, what one standard deviation of beta turns the normals by, in degrees.
-fn bends(levels: &ByShapeLevels) -> Vec<(usize, f64)> {
+fn bends(levels: &ColoursAndShapeLevels) -> Vec<(usize, f64)> {
     let colours = levels.closure.iter().flat_map(|closure| closure.colours.iter().zip(1..));
     let bend = |(colour, c): (&ColourClosure, usize)| {
         let beta = levels.beta.get(c)?;
@@ -71,10 +71,10 @@ fn light_trust(report: &SeparateReport) -> LightTrust {
     LightTrust {
         bounces: report.mean.clone(),
         gain: report.gain.clone(),
-        condition_number: report.condition_number,
+        condition_number: None,
         noise_percent: percent,
         denoised_noise_percent: percent,
-        calibration_percent: 0.0,
+        calibration_percent: None,
         truncation_percent: None,
         return_share: None,
     }
@@ -92,7 +92,7 @@ mod tests {
         let closure =
             ClosureReport { paint_light: None, albedo: None, s_over_k: None, colours: vec![colour], findings };
         let beta = [Estimate::exact(1.0), Estimate { value: 0.5, interval: Interval::around(0.5, half_width) }];
-        let levels = ByShapeLevels {
+        let levels = ColoursAndShapeLevels {
             lights: &[],
             normal_noise_deg: Some(normal_noise_deg),
             beta: &beta,

@@ -145,7 +145,7 @@ fn calibration_errors_are_those_of_random_calibrations() {
     }
     let percent = 100.0 * (light_squares / DRAWS as f64).sqrt();
     let degrees = (turn_squares / DRAWS as f64).sqrt().to_degrees();
-    assert!((percent / predicted.lights[0].calibration_percent - 1.0).abs() < 0.03, "{percent}");
+    assert!((percent / predicted.lights[0].calibration_percent.unwrap() - 1.0).abs() < 0.03, "{percent}");
     assert!((degrees / predicted.normal.unwrap().calibration_deg - 1.0).abs() < 0.03, "{degrees}");
 }
 

@@ -13,7 +13,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
     }
     let worst = |value: &dyn Fn(&LightTrust) -> f64| trust.worst(value).unwrap_or(f64::NAN);
     Grid::new("expected errors").num_columns(2).striped(true).show(ui, |ui| {
-        let condition = worst(&|light| light.condition_number);
+        let condition = worst(&|light| light.condition_number.unwrap_or(f64::NAN));
         row(ui, "Condition number", &number(condition), "Largest over smallest singular value of the matrix of beta");
         for k in 0..trust.bounces {
             let gain = worst(&|light| light.gain[k]);
@@ -25,7 +25,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust) {
         row(ui, "Noise of bounce 1", &words(noise), "Of a pixel of mean light, as bounce 1 is saved");
         let averaged = "The same after denoising the indirect light: the normals are computed from this";
         row(ui, "Noise after denoising", &words(denoised), averaged);
-        let calibration = worst(&|light| light.calibration_percent);
+        let calibration = worst(&|light| light.calibration_percent.unwrap_or(f64::NAN));
         row(
             ui,
             "Calibration error",
@@ -82,7 +82,7 @@ fn each_light(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
             ui.label(&light.name);
             ui.label(number(found.gain[0]));
             ui.label(percent(Some(found.noise_percent)));
-            ui.label(percent(Some(found.calibration_percent)));
+            ui.label(percent(found.calibration_percent));
             ui.label(percent(found.truncation_percent));
             ui.label(percent(found.return_share.map(|share| 100.0 * share)))
                 .on_hover_text("The share of its light that the object sends back to itself at each bounce");

@@ -1,7 +1,7 @@
 //! Colours and shape together: the colours tell direct from indirect light, the shape says what the indirect light is made of.
 
 use firstbounce_core::methods::colours_and_shape::{
-    ColoursAndShapeError, ColoursAndShapeReport, IndirectMaps, LightReport, Photographed, SeparatedLight,
+    ColoursAndShapeError, ColoursAndShapeReport, IndirectMaps, LightReport, NoShape, Photographed, SeparatedLight,
     beta_of_object, separate_by_colours_and_shape,
 };
 use firstbounce_core::separate::{LightPhotos, SeparateReport, Separation};
@@ -46,7 +46,7 @@ impl ColoursAndShapeSolved {
         let mut warnings = Vec::new();
         if let Some(error) = &self.report.no_shape {
             let why = match error {
-                ShapeError::Normals(NormalsError::TooFewLights { .. }) => {
+                NoShape::Shape(ShapeError::Normals(NormalsError::TooFewLights { .. })) => {
                     "normals need three lights with a known direction".to_owned()
                 }
                 error => error.to_string(),
@@ -169,11 +169,11 @@ fn separate_report(report: &LightReport, light: &LightPhotos) -> SeparateReport 
         bounces: 1,
         colours: light.beta.len(),
         gain: vec![if photo > 0.0 { report.mean_noise / photo } else { 0.0 }],
-        condition_number: 1.0,
+        condition_number: None,
         noise: vec![report.mean_noise],
         mean: vec![report.mean_direct],
-        residual_rms: 0.0,
-        residual_expected: 0.0,
+        residual_rms: None,
+        residual_expected: None,
         solved_pixels: report.solved_pixels,
         reduced_pixels: report.reduced_pixels,
         unsolved_clipped_pixels: report.unsolved_clipped_pixels,

@@ -98,7 +98,7 @@ fn trust_section(report: &Report, method: Method) -> Markup {
                 tr {
                     td { (light) } td { (number(words.noise_percent)) }
                     @if by_colours {
-                        td { (number(words.denoised_noise_percent)) } td { (number(words.calibration_percent)) }
+                        td { (number(words.denoised_noise_percent)) } td { (words.calibration_percent.map_or("?".into(), number)) }
                         td { (words.truncation_percent.map_or("?".into(), number)) }
                     }
                 }
@@ -150,7 +150,9 @@ fn light_section(
                 tr { td { (k + 1) } td { (number(words.mean[k])) } td { (number(words.noise[k])) } td { (number(words.gain[k])) } }
             }
         }
-        p { "Condition number " (number(words.condition_number)) ". " (words.solved_pixels) " pixels solved, "
+        p {
+            @if let Some(condition) = words.condition_number { "Condition number " (number(condition)) ". " }
+            (words.solved_pixels) " pixels solved, "
             (words.reduced_pixels) " of them without a clipped or dark colour; left out: "
             (words.unsolved_clipped_pixels) " clipped, " (words.unsolved_dark_pixels) " dark." }
     })

@@ -24,7 +24,7 @@ use crate::{Camera, Mask, Plane, Portion, Watch};
 use facets::Facets;
 
 /// No paint reflects all of the light: a larger pseudo albedo is taken as this.
-const LARGEST_ALBEDO: f32 = 0.99;
+const MAX_ALBEDO: f32 = 0.99;
 /// The change of the normals grows when it is this many times the one before.
 const GROWTH: f64 = 1.2;
 /// Of one iteration's work, the part that photometric stereo and integration take; form factors take the rest.
@@ -360,8 +360,8 @@ fn absolute_albedo(shape: &Shape, white_light: f64) -> (Plane, usize) {
     let scale = (1.0 / white_light) as f32;
     let clamp = |value: &mut f32| {
         *value *= scale;
-        let too_bright = *value > LARGEST_ALBEDO;
-        *value = value.min(LARGEST_ALBEDO);
+        let too_bright = *value > MAX_ALBEDO;
+        *value = value.min(MAX_ALBEDO);
         usize::from(too_bright)
     };
     let clamped = albedo.data_mut().par_iter_mut().map(clamp).sum();

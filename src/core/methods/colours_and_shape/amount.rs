@@ -40,9 +40,9 @@ pub struct AmountReport {
 }
 
 /// More is no measure of anything.
-const LARGEST_UNEVENNESS: f64 = 10.0;
+const UNEVENNESS_BOUND: f64 = 10.0;
 /// Where noise alone leaves the mean uncertain by more than this, parts of the object differ by noise: hardly any light arrives.
-const LARGEST_NOISE: f64 = 0.005;
+const MAX_NOISE: f64 = 0.005;
 
 impl AmountReport {
     /// Whether walls that send light are likely out of view.
@@ -57,14 +57,14 @@ impl AmountReport {
 
     /// Whether enough light arrives to say anything of its amount.
     pub fn is_known(&self) -> bool {
-        self.noise < LARGEST_NOISE
+        self.noise < MAX_NOISE
     }
 
     /// Adds what the windows of all lights found.
     pub(super) fn with_lights(self, mask: &Mask, lights: &[Indirect]) -> Self {
         let amounts: Vec<_> = lights.iter().filter_map(|light| light.amount.as_ref()).collect();
         let inside = || (0..mask.data().len()).filter(|&cell| mask.data()[cell]);
-        let other = inside().filter(|&cell| amounts.iter().any(|amount| !amount.fits.data()[cell])).count();
+        let other = inside().filter(|&cell| amounts.first().is_some_and(|amount| !amount.fits.data()[cell])).count();
         let sum = |of: fn(&Amount) -> &Plane| {
             let of_light = |amount: &&Amount| inside().map(|cell| f64::from(of(amount).data()[cell])).sum::<f64>();
             amounts.iter().map(of_light).sum::<f64>()
@@ -116,7 +116,7 @@ impl Tiles {
             mean,
             median: quantile(&known, 0.5),
             lowest: quantile(&known, 0.1),
-            unevenness: (spread / quantile(&known, 0.5).abs().max(f64::MIN_POSITIVE)).min(LARGEST_UNEVENNESS),
+            unevenness: (spread / quantile(&known, 0.5).abs().max(f64::MIN_POSITIVE)).min(UNEVENNESS_BOUND),
             noise,
             other_paint_share: 0.0,
             outside_share: 0.0,

@@ -8,7 +8,7 @@
 use super::amount::Tiles;
 use super::direct::{direct_light, placed};
 use super::end_of_ratio::{Arriving, ends_of_ratio};
-use super::fit::Fit;
+use super::fit::{Fit, amounts};
 use super::grid::{Grid, GridLight};
 use super::indirect::Indirect;
 use super::{AmountReport, MAX_UNEVENNESS, ObjectBeta};
@@ -16,7 +16,7 @@ use crate::interval::{Estimate, Interval};
 use crate::options::{OptionError, check_range};
 use crate::separate::MIN_BETA_DISTANCE;
 use crate::stereo::normals::{Lamp, NormalsOptions, Paint, PaintReport, Surface, normals};
-use crate::{NormalMap, Plane, Unwatched};
+use crate::{NormalMap, Plane, Portion, Watch};
 
 /// How s and k are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,14 +48,14 @@ impl ClosureOptions {
 const TRIALS: usize = 4;
 /// The first of them differs by this share, and none by more than the other from the one before.
 const FIRST_STEP: f64 = 0.01;
-const LARGEST_STEP: f64 = 0.08;
+const MAX_STEP: f64 = 0.08;
 /// s and k this near, relative, are the same.
 const SAME: f64 = 1e-3;
 /// Where s over k changes less than this for a change of beta, both relative, it says nothing of beta.
-const LEAST_SLOPE: f64 = 0.5;
+const MIN_SLOPE: f64 = 0.5;
 /// No paint reflects more than it receives, and no likely error of beta makes s so much larger than k: light from out of view does.
-const LARGEST_ALBEDO: f64 = 1.0;
-const LARGEST_S_OVER_K: f64 = 1.2;
+const MAX_ALBEDO: f64 = 1.0;
+const MAX_S_OVER_K: f64 = 1.2;
 /// The effect of beta is found by a change of this share.
 const PERCENT: f64 = 0.01;
 
@@ -189,8 +189,9 @@ pub(super) fn closure(
     white_light: Option<f64>,
     options: &ClosureOptions,
     normals_options: &NormalsOptions,
+    watch: &dyn Watch,
 ) -> ClosureReport {
-    let trial = Trial::new(found, lamps, options, *normals_options);
+    let trial = Trial::new(found, lamps, options, *normals_options, watch);
     let in_force: Vec<f64> = found.grid.lights.first().map_or_else(Vec::new, |light| light.beta.clone());
     let all: Vec<usize> = (0..in_force.len()).collect();
     let first = trial.run(&all, &in_force, normals_options.paint);
@@ -232,7 +233,7 @@ fn findings(
 ) -> Vec<ClosureFinding> {
     let mut findings = Vec::new();
     let is_too_much = amount.is_known()
-        && (amount.mean > LARGEST_ALBEDO || s_over_k.is_some_and(|s_over_k| s_over_k > LARGEST_S_OVER_K));
+        && (amount.mean > MAX_ALBEDO || s_over_k.is_some_and(|s_over_k| s_over_k > MAX_S_OVER_K));
     for (colour, &ColourClosure { beta, object, .. }) in (1..).zip(colours) {
         let Some(object) = object else { continue };
         let ObjectBeta { estimate, end, .. } = object;
@@ -277,6 +278,7 @@ struct Trial<'a> {
     lamps: &'a [Option<(Lamp, f64)>],
     amount_window: f64,
     normals: NormalsOptions,
+    watch: Portion<'a>,
 }
 
 /// What one beta makes of the photos.
@@ -287,7 +289,13 @@ struct Outcome {
 }
 
 impl<'a> Trial<'a> {
-    fn new(found: &Found, lamps: &'a [Option<(Lamp, f64)>], options: &ClosureOptions, normals: NormalsOptions) -> Self {
+    fn new(
+        found: &Found,
+        lamps: &'a [Option<(Lamp, f64)>],
+        options: &ClosureOptions,
+        normals: NormalsOptions,
+        watch: &'a dyn Watch,
+    ) -> Self {
         let cells = found.grid.mask.count() as f64;
         let every = ((cells / options.cells as f64).sqrt().ceil() as usize).max(1);
         Self {
@@ -298,6 +306,7 @@ impl<'a> Trial<'a> {
             lamps,
             amount_window: found.amount_window_px / every as f64,
             normals,
+            watch: Portion::still(watch, 1.0),
         }
     }
 
@@ -308,6 +317,9 @@ impl<'a> Trial<'a> {
             beta: beta.to_vec(),
         };
         let lights = self.grid.lights.iter().map(light).collect();
+        if self.watch.cancelled() {
+            return None;
+        }
         let grid = Grid { lights, mask: self.grid.mask.clone(), ..self.grid };
         let of_colours = |indirect: &Indirect| Indirect {
             ratio: colours.iter().map(|&c| indirect.ratio[c].clone()).collect(),
@@ -319,13 +331,14 @@ impl<'a> Trial<'a> {
             .collect();
         let tiles = Tiles::of(&grid.mask, &fits)?;
         let share = tiles.report().median.max(0.0);
-        for ((indirect, fit), arriving) in indirect.iter_mut().zip(&fits).zip(&self.arriving) {
-            indirect.amount = Some(fit.amount(arriving, share, self.amount_window));
+        let arriving: Vec<&Plane> = self.arriving.iter().collect();
+        for (indirect, amount) in indirect.iter_mut().zip(amounts(&fits, &arriving, share, self.amount_window)) {
+            indirect.amount = Some(amount);
         }
         let direct = direct_light(&grid, &indirect);
         let surface = Surface { camera: &grid.camera, depth_mm: Some(&self.depth) };
         let options = NormalsOptions { paint, ..self.normals };
-        let (found, report) = normals(&placed(&direct, self.lamps), &grid.mask, surface, &options, &Unwatched).ok()?;
+        let (found, report) = normals(&placed(&direct, self.lamps), &grid.mask, surface, &options, &self.watch).ok()?;
         Some(Outcome { tiles, paint: report.paint, normals: found.map })
     }
 }
@@ -360,10 +373,10 @@ impl Pair<'_> {
         let (mut difference, mut noise) = self.difference(at.exp())?;
         let mut slope = (difference - last_difference) / (at - last);
         for _ in 1..TRIALS {
-            if slope.abs() < LEAST_SLOPE || !slope.is_finite() {
+            if slope.abs() < MIN_SLOPE || !slope.is_finite() {
                 return None;
             }
-            let next = allowed(at - (difference / slope).clamp(-LARGEST_STEP, LARGEST_STEP));
+            let next = allowed(at - (difference / slope).clamp(-MAX_STEP, MAX_STEP));
             if difference.abs() < SAME || next == at {
                 break;
             }
@@ -372,7 +385,7 @@ impl Pair<'_> {
             slope = (difference - last_difference) / (at - last);
         }
         // The last step of Newton costs no trial.
-        let log = allowed(at - (difference / slope).clamp(-LARGEST_STEP, LARGEST_STEP));
+        let log = allowed(at - (difference / slope).clamp(-MAX_STEP, MAX_STEP));
         let tolerance = options.allowed_difference.hypot(2.0 * noise);
         let ends = [log - tolerance / slope, log + (tolerance + unevenness) / slope].map(f64::exp);
         let interval = Interval { low: ends[0].min(ends[1]), high: ends[0].max(ends[1]) };

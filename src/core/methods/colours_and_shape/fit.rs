@@ -10,11 +10,12 @@ use crate::{Mask, Plane};
 /// The amount is expected within this share of the object's own, where a window knows no better.
 const EXPECTED_SPREAD: f64 = 0.3;
 /// No paint reflects more than it receives; surfaces out of view may send half as much again.
-const LARGEST_AMOUNT: f64 = 1.5;
+pub(super) const MAX_AMOUNT: f64 = 1.5;
 /// Relative to that of the object, the least amount that errors of the shape can explain; walls out of view only raise it.
-const LEAST_FITTING: f64 = 0.2;
-/// Where more of the object than this seems to be of another paint, the shape is wrong and not the paint.
-const MOST_OTHER_PAINT: f64 = 0.5;
+const MIN_FITTING: f64 = 0.2;
+/// The share of the lights that have to say so where a cell counts as another paint: paint belongs to the surface, errors of arriving
+/// light to one lamp.
+const MIN_AGREEING_LIGHTS: f64 = 2.0 / 3.0;
 /// Another paint makes the indirect light wrong by more than this share of all light; less is an error of arriving light.
 const WRONG_LIGHT: f64 = 0.05;
 /// How wrong arriving light is for reasons that its noise does not show: patches, creases, normals between them.
@@ -37,8 +38,8 @@ pub(super) struct Amount {
     pub outside: Plane,
     /// The variance of I.
     pub variance: Plane,
-    /// Whether the colours fit beta. Where they do not, another paint is there: the reference colour is used alone, with the
-    /// amount of the rest of the object.
+    /// Whether the colours fit beta, the same under every light. Where they do not, another paint is there: the reference colour is
+    /// used alone, with the amount of the rest of the object.
     pub fits: Mask,
 }
 
@@ -56,13 +57,13 @@ pub(super) struct Fit {
     arriving_share: Plane,
 }
 
-/// s in windows, and whether the colours fit beta there.
-struct Shares {
+/// s of one light in windows.
+pub(super) struct Windows {
+    /// s, that of the object where the window says nothing.
     share: Plane,
     information: Plane,
+    /// Whether the colours fit beta there.
     fits: Mask,
-    /// Whether the window holds no other paint.
-    is_clear: Mask,
 }
 
 impl Fit {
@@ -93,9 +94,44 @@ impl Fit {
         }
     }
 
-    /// The amount in windows; `share` is that of the whole object.
-    pub(super) fn amount(&self, arriving: &Plane, share: f64, sigma_px: f64) -> Amount {
-        let Shares { share, information, fits, is_clear } = self.shares(share, sigma_px);
+    /// s in windows; `share` is that of the whole object.
+    pub(super) fn windows(&self, share: f64, sigma_px: f64) -> Windows {
+        let share = share.min(MAX_AMOUNT);
+        let expected = (EXPECTED_SPREAD * share.max(0.01)).powi(-2) / cells_of_window(sigma_px);
+        let (information, weighted) = (gaussian(&self.information, sigma_px), gaussian(&self.weighted, sigma_px));
+        let of_cell = |((information, weighted), arriving_share): ((&f32, &f32), &f32)| {
+            let information = f64::from(*information) + expected;
+            let fitted = (f64::from(*weighted) + expected * share) / information;
+            let wrong = (fitted - share).abs() * f64::from(*arriving_share);
+            let fits = share <= 0.0 || fitted > MIN_FITTING * share || wrong < WRONG_LIGHT;
+            (fitted as f32, (information as f32, fits))
+        };
+        let cells = information.data().par_iter().zip(weighted.data()).zip(self.arriving_share.data()).map(of_cell);
+        let (share, (information, fits)): (Vec<f32>, (Vec<f32>, Vec<bool>)) = cells.unzip();
+        let (width, height) = weighted.size();
+        let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
+        let fits = Mask::from_vec(width, height, fits).unwrap_or_default();
+        Windows { share: plane(share), information: plane(information), fits }
+    }
+
+    /// The amount in windows where the colours fit beta, that of the whole object where they do not.
+    pub(super) fn amount(
+        &self,
+        windows: Windows,
+        fits: &Mask,
+        arriving: &Plane,
+        share: f64,
+        sigma_px: f64,
+    ) -> Amount {
+        // Windows that reach into another paint say nothing of this one.
+        let other = gaussian(&fits.map(|fits| if fits { 0.0 } else { 1.0 }), sigma_px);
+        let is_clear = other.map(|other| other < REACHED);
+        let of_object = share.min(MAX_AMOUNT) as f32;
+        let own = |(own, clear): (f32, &bool)| if *clear { own.clamp(0.0, MAX_AMOUNT as f32) } else { of_object };
+        let Windows { share, information, .. } = windows;
+        let (width, height) = arriving.size();
+        let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
+        let share = plane(share.data().iter().copied().zip(is_clear.data()).map(own).collect());
         let (outside, of_outside) = self.outside(arriving, &share, &is_clear, WIDER * sigma_px);
         let cells = cells_of_window(sigma_px);
         let of_cell = |cell: usize| {
@@ -105,40 +141,8 @@ impl Fit {
             let variance = of_share + (MODEL_ERROR * light).powi(2) + f64::from(of_outside.data()[cell]);
             (light as f32, variance as f32)
         };
-        let (width, height) = arriving.size();
         let (light, variance): (Vec<f32>, Vec<f32>) = (0..width * height).into_par_iter().map(of_cell).unzip();
-        let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
-        Amount { light: plane(light), variance: plane(variance), share, outside, fits }
-    }
-
-    /// s in windows, `share` where they say nothing.
-    fn shares(&self, share: f64, sigma_px: f64) -> Shares {
-        let share = share.min(LARGEST_AMOUNT);
-        let share_of_object = share;
-        let expected = (EXPECTED_SPREAD * share.max(0.01)).powi(-2) / cells_of_window(sigma_px);
-        let (information, weighted) = (gaussian(&self.information, sigma_px), gaussian(&self.weighted, sigma_px));
-        let of_cell = |((information, weighted), arriving_share): ((&f32, &f32), &f32)| {
-            let information = f64::from(*information) + expected;
-            let fitted = (f64::from(*weighted) + expected * share) / information;
-            let wrong = (fitted - share).abs() * f64::from(*arriving_share);
-            let fits = share <= 0.0 || fitted > LEAST_FITTING * share || wrong < WRONG_LIGHT;
-            let amount = if fits { fitted.clamp(0.0, LARGEST_AMOUNT) } else { share };
-            (amount as f32, (information as f32, fits))
-        };
-        let cells = information.data().par_iter().zip(weighted.data()).zip(self.arriving_share.data()).map(of_cell);
-        let (share, (information, fits)): (Vec<f32>, (Vec<f32>, Vec<bool>)) = cells.unzip();
-        let (width, height) = weighted.size();
-        let plane = |data| Plane::from_vec(width, height, data).unwrap_or_default();
-        let other = fits.par_iter().filter(|fits| !**fits).count() as f64;
-        let known = self.precision.data().par_iter().filter(|precision| **precision > 0.0).count() as f64;
-        let fits = if other > MOST_OTHER_PAINT * known { vec![true; fits.len()] } else { fits };
-        let fits = Mask::from_vec(width, height, fits).unwrap_or_default();
-        // Windows that reach into another paint say nothing of this one.
-        let other = gaussian(&fits.map(|fits| if fits { 0.0 } else { 1.0 }), sigma_px);
-        let is_clear = other.map(|other| other < REACHED);
-        let of_object = share_of_object as f32;
-        let share = share.into_iter().zip(is_clear.data()).map(|(own, clear)| if *clear { own } else { of_object });
-        Shares { share: plane(share.collect()), information: plane(information), fits, is_clear }
+        Amount { light: plane(light), variance: plane(variance), share, outside, fits: fits.clone() }
     }
 
     /// What the colours show of indirect light beyond s times what arrives, averaged in windows, and its variance: light of surfaces
@@ -169,6 +173,21 @@ impl Fit {
         let (outside, variance): (Vec<f32>, Vec<f32>) = (0..width * height).into_par_iter().map(of_cell).unzip();
         (plane(outside), plane(variance))
     }
+}
+
+/// By light, the amount in windows; `share` is that of the whole object. Another paint is where most lights see it.
+pub(super) fn amounts(fits: &[Fit], arriving: &[&Plane], share: f64, sigma_px: f64) -> Vec<Amount> {
+    let windows: Vec<Windows> = fits.iter().map(|fit| fit.windows(share, sigma_px)).collect();
+    let Some((width, height)) = windows.first().map(|windows| windows.fits.size()) else { return Vec::new() };
+    let limit = MIN_AGREEING_LIGHTS * windows.len() as f64;
+    let fits_beta = |cell: usize| {
+        let doubting = windows.iter().filter(|windows| !windows.fits.data()[cell]).count();
+        (doubting as f64) < limit
+    };
+    let of_surface = (0..width * height).into_par_iter().map(fits_beta).collect();
+    let of_surface = Mask::from_vec(width, height, of_surface).unwrap_or_default();
+    let lights = fits.iter().zip(windows).zip(arriving);
+    lights.map(|((fit, windows), arriving)| fit.amount(windows, &of_surface, arriving, share, sigma_px)).collect()
 }
 
 /// Independent cells that one Gaussian window averages; a window within one cell averages that cell alone.

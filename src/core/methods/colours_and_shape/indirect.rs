@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::amount::{AmountReport, Tiles};
-use super::fit::{Amount, Fit};
+use super::fit::{Amount, Fit, amounts};
 use super::grid::{Grid, GridLight};
 use super::split::Split;
 use super::{ColoursAndShapeOptions, IndirectMaps};
@@ -106,7 +106,7 @@ pub(super) fn indirect_light(
         plane.data_mut().par_iter_mut().zip(weight.data()).for_each(|(value, weight)| *value /= weight.max(1e-9));
         plane
     };
-    let mut lights: Vec<_> = (grid.lights.iter().zip(even).zip(arriving))
+    let lights: Vec<_> = (grid.lights.iter().zip(even).zip(arriving))
         .map(|((light, even), arriving)| {
             let smoothed: Vec<Plane> = arriving.iter().map(|plane| smooth(plane.clone())).collect();
             let brightest = light.colours[0].light.data().iter().copied().fold(0.0, f32::max);
@@ -126,10 +126,11 @@ pub(super) fn indirect_light(
         lights.iter().zip(&grid.lights).map(|((i, arriving), light)| Fit::new(grid, light, i, arriving)).collect();
     let report = Tiles::of(&grid.mask, &fits).map(|tiles| tiles.report());
     let share = report.map_or(0.0, |report| report.median.max(0.0));
-    for ((indirect, arriving), fit) in lights.iter_mut().zip(&fits) {
-        indirect.amount = Some(fit.amount(arriving, share, options.amount_window_px));
+    let (mut lights, arriving): (Vec<Indirect>, Vec<Plane>) = lights.into_iter().unzip();
+    let amounts = amounts(&fits, &arriving.iter().collect::<Vec<_>>(), share, options.amount_window_px);
+    for (light, amount) in lights.iter_mut().zip(amounts) {
+        light.amount = Some(amount);
     }
-    let (lights, arriving): (Vec<Indirect>, Vec<Plane>) = lights.into_iter().unzip();
     let report = report.map(|report| report.with_lights(&grid.mask, &lights));
     (lights, arriving, report)
 }

@@ -14,6 +14,7 @@ mod amount;
 mod apply;
 mod arriving;
 mod closure;
+mod consistency;
 mod direct;
 mod end_of_ratio;
 mod even;
@@ -113,6 +114,33 @@ pub enum ColoursAndShapeError {
     Cancelled,
 }
 
+/// Why the shape is not used: then each light has one colour ratio of indirect light.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum NoShape {
+    /// There is none.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// Without it the photos fit one paint better.
+    #[error(
+        "the shape misleads: the albedo varies by {:.1} % with it and by {:.1} % without; where fewer than three lamps reach, the \
+         shape is a guess",
+        100.0 * over_shape,
+        100.0 * even
+    )]
+    Misfit {
+        /// How much the albedo varies without the shape, relative.
+        even: f64,
+        /// And with it.
+        over_shape: f64,
+    },
+    /// There is far more light than the walls in view can send.
+    #[error("most of the cavity is out of view: there is {amount:.1} times as much indirect light as the walls in view receive")]
+    OutOfView {
+        /// The amount of indirect light over what arrives.
+        amount: f64,
+    },
+}
+
 /// What was photographed in two colours or more.
 #[derive(Clone, Copy, Debug)]
 pub struct Photographed<'a> {
@@ -179,7 +207,11 @@ pub fn separate_by_colours_and_shape(
     let steps = 2 * options.rounds + 2;
     let on_grid =
         OnGrid::find(photographed, options, shape_options, &|step| Portion::of(watch, step, steps), on_shape)?;
-    let closure = on_grid.closure(photographed, options, shape_options);
+    let on_grid = match on_grid.misleads(photographed, shape_options) {
+        Some(why) => on_grid.without_shape(why),
+        None => on_grid,
+    };
+    let closure = on_grid.closure(photographed, options, shape_options, &Portion::of(watch, steps - 2, steps));
     let OnGrid { grid, even, indirect, amount, no_shape, .. } = on_grid;
     let separated =
         apply::apply(photographed.lights, photographed.mask, &grid, &indirect, &Portion::of(watch, steps - 1, steps));
@@ -206,9 +238,9 @@ struct OnGrid {
     arriving: Vec<Plane>,
     /// `None` without a shape, or where no light arrives.
     amount: Option<AmountReport>,
-    /// The last shape, and why there is none.
+    /// The last shape, and why there is none or it is left out.
     shape: Option<Shape>,
-    no_shape: Option<ShapeError>,
+    no_shape: Option<NoShape>,
 }
 
 impl OnGrid {
@@ -233,7 +265,7 @@ impl OnGrid {
                 Ok(shape) => shape,
                 Err(error) if error.is_cancelled() => return Err(ColoursAndShapeError::Cancelled),
                 Err(error) => {
-                    found.no_shape = Some(error);
+                    found.no_shape = Some(error.into());
                     break;
                 }
             };
@@ -247,12 +279,28 @@ impl OnGrid {
         Ok(found)
     }
 
+    /// Why the shape misleads, where it does.
+    fn misleads(&self, photographed: &Photographed, shape_options: &ShapeOptions) -> Option<NoShape> {
+        let (shape, amount) = (self.shape.as_ref()?, self.amount.as_ref()?);
+        let Photographed { lamps, .. } = *photographed;
+        let indirect = (&self.even[..], &self.indirect[..]);
+        let depth_mm = &shape.depth.depth_mm;
+        consistency::why_even_is_better(&self.grid, indirect, amount, lamps, depth_mm, &shape_options.normals)
+    }
+
+    /// Back to one ratio a light.
+    fn without_shape(self, why: NoShape) -> Self {
+        let indirect = self.even.clone();
+        Self { indirect, arriving: Vec::new(), amount: None, shape: None, no_shape: Some(why), ..self }
+    }
+
     /// `None` where no shape tells the amount of indirect light.
     fn closure(
         &self,
         photographed: &Photographed,
         options: &ColoursAndShapeOptions,
         shape_options: &ShapeOptions,
+        watch: &dyn Watch,
     ) -> Option<ClosureReport> {
         let found = closure::Found {
             grid: &self.grid,
@@ -263,7 +311,7 @@ impl OnGrid {
             amount_window_px: options.amount_window_px,
         };
         let Photographed { lamps, white_light, .. } = *photographed;
-        Some(closure::closure(&found, lamps, white_light, &options.closure, &shape_options.normals))
+        Some(closure::closure(&found, lamps, white_light, &options.closure, &shape_options.normals, watch))
     }
 }
 

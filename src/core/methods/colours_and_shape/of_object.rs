@@ -66,7 +66,8 @@ pub fn beta_of_object(
     let Some(ends) = ends_of_ratio(&grid, None).into_iter().collect::<Option<Vec<_>>>() else {
         return Ok(Vec::new());
     };
-    let mut found: Vec<_> = ends.into_iter().map(|end| ObjectBeta::of(end, None)).collect();
+    let from_ends: Vec<_> = ends.into_iter().map(|end| ObjectBeta::of(end, None)).collect();
+    let mut found = from_ends.clone();
     for round in 0..ROUNDS {
         let beta: Vec<f64> = std::iter::once(1.0).chain(found.iter().map(|found| found.estimate.value)).collect();
         let lights: Vec<_> = photographed.lights.iter().map(|light| LightPhotos { beta: &beta, ..*light }).collect();
@@ -77,12 +78,16 @@ pub fn beta_of_object(
         }
         let part = |step: usize| Portion::of(watch, 2 * round + step, 2 * ROUNDS);
         let on_grid = OnGrid::find(&photographed, &options, shape_options, &part, &mut |_| {})?;
-        let Some(closure) = on_grid.closure(&photographed, &options, shape_options) else {
+        let Some(closure) = on_grid.closure(&photographed, &options, shape_options, &part(1)) else {
             found = on_grid.ends_without_arriving_light().unwrap_or(found);
             break;
         };
-        let told: Option<Vec<_>> = closure.colours.into_iter().map(|colour| colour.object).collect();
-        found = told.unwrap_or(found);
+        let of_colours: Option<Vec<_>> = closure.colours.into_iter().map(|colour| colour.object).collect();
+        found = of_colours.unwrap_or(found);
+        // Before the last round beta is still off, and so is the shape.
+        if round + 1 == ROUNDS && on_grid.misleads(&photographed, shape_options).is_some() {
+            return Ok(from_ends);
+        }
     }
     Ok(found)
 }

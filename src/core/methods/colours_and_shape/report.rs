@@ -3,10 +3,9 @@
 use rayon::prelude::*;
 
 use super::indirect::Indirect;
-use super::{AmountReport, ClosureReport, SeparatedLight};
+use super::{AmountReport, ClosureReport, NoShape, SeparatedLight};
 use crate::image::photo::CLIPPED;
 use crate::separate::{OUTSIDE, UNSOLVED};
-use crate::stereo::shape::ShapeError;
 
 /// How the method went.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +13,7 @@ pub struct ColoursAndShapeReport {
     /// Pixels along a cell of the grid on which arriving light was computed.
     pub step_px: usize,
     /// Why no shape was used, where one was asked for: then each light has one colour ratio.
-    pub no_shape: Option<ShapeError>,
+    pub no_shape: Option<NoShape>,
     /// The amount of indirect light; `None` without a shape, or where no light arrives.
     pub amount: Option<AmountReport>,
     /// That amount against the albedo of the paint; `None` without an amount.

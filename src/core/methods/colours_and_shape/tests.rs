@@ -34,10 +34,13 @@ struct Staged {
 impl Staged {
     /// All bounces of one paint, with the noise of a camera.
     fn new(scene: &Scene) -> Self {
+        Self::under(scene, &directions_on_ring(3, 18.0))
+    }
+
+    fn under(scene: &Scene, directions: &[Unit<Vector3<f64>>]) -> Self {
         let (mesh, camera) = framed(scene.mesh(900).unwrap(), SIZE_PX).unwrap();
         let patches = Patches::from_mesh(&mesh).unwrap();
         let (factors, _) = form_factors(patches, &FormFactorOptions::default(), &Unwatched).unwrap();
-        let directions = directions_on_ring(3, 18.0);
         let lamp = |direction: &Unit<Vector3<f64>>| scene::Lamp::Directional {
             direction_to_light: *direction,
             intensity: 1.0,
@@ -276,6 +279,26 @@ fn without_three_lamps_each_light_has_one_ratio_and_the_report_says_why() {
     let even = staged.solve(&ColoursAndShapeOptions { rounds: 0, ..Default::default() }).unwrap();
     assert_eq!(found.lights, even.lights);
     assert!(found.report.no_shape.is_some() && even.report.no_shape.is_none());
+}
+
+/// Low lamps leave most of a bowl to fewer than three: its shape is a guess there, and one ratio a light is better.
+#[test]
+fn a_shape_that_low_lamps_leave_unknown_is_left_out() {
+    let staged = Staged::under(&Scene::Bowl { radius_mm: 40.0, half_angle_deg: 80.0, rim_mm: 8.0 }, &directions_on_ring(8, 58.0));
+    let found = staged.solve(&ColoursAndShapeOptions::default()).unwrap();
+    assert!(matches!(found.report.no_shape, Some(NoShape::Misfit { .. })), "{:?}", found.report);
+    let even = staged.solve(&ColoursAndShapeOptions { rounds: 0, ..Default::default() }).unwrap();
+    assert_eq!(found.lights, even.lights);
+}
+
+/// Half a bowl sends half of the light on the other half: the walls in view do not explain it.
+#[test]
+fn a_bowl_of_which_half_is_masked_away_is_out_of_view() {
+    let mut staged = Staged::new(&Scene::Bowl { radius_mm: 40.0, half_angle_deg: 80.0, rim_mm: 8.0 });
+    let (mask, half) = (staged.mask.clone(), SIZE_PX / 2);
+    staged.mask = Mask::from_fn(SIZE_PX, SIZE_PX, |x, y| mask.at(x, y) && x < half);
+    let found = staged.solve(&ColoursAndShapeOptions::default()).unwrap();
+    assert!(matches!(found.report.no_shape, Some(NoShape::OutOfView { .. })), "{:?}", found.report);
 }
 
 #[test]

@@ -25,8 +25,8 @@ const ALBEDO_ROUNDS: usize = 4;
 const MAX_STEPS: usize = 6;
 const AT_REST: f64 = 1e-5;
 /// A normal that turns farther than this (about 30 degrees) has left its solution, one that is noisier has none.
-const SMALLEST_COSINE: f64 = 0.87;
-const LARGEST_NOISE_DEG: f64 = 60.0;
+const MIN_COSINE: f64 = 0.87;
+const MAX_NOISE_DEG: f64 = 60.0;
 /// How firmly a normal is held to where it was, as a share of what the lights say, where fewer than all reach it.
 const HOLD: f64 = 0.01;
 /// An albedo strays where it differs from the object's by more than this share and three times its own noise.
@@ -127,7 +127,7 @@ fn refine(samples: &[Sample], start: Vector3<f64>, albedo: f64, is_short: bool) 
             break;
         }
     }
-    (normal.dot(&start) > SMALLEST_COSINE && noise_deg < LARGEST_NOISE_DEG).then_some(Refined { normal, noise_deg })
+    (normal.dot(&start) > MIN_COSINE && noise_deg < MAX_NOISE_DEG).then_some(Refined { normal, noise_deg })
 }
 
 /// Two unit vectors across the normal and each other.
