@@ -29,8 +29,8 @@ pub use memory::{
     MemoryEstimate, MemoryOptions, MemoryShortage, Work, check_memory, estimate_memory, free_memory_bytes,
 };
 pub use methods::{
-    AlbedoScale, ColoursAndShapeSolved, Found, Input, MethodReport, NayarSolved, Needs, OnShape, denoise_lights,
-    separate_lights,
+    AlbedoScale, ColoursAndShapeSolved, Found, Input, MethodReport, NayarSolved, Needs, OnShape, add_beta_of_object,
+    denoise_lights, separate_lights,
 };
 pub use photos::{ObjectPhotos, PhotoStore, ShotLight, SubjectPhotos, file_warnings, load_object, load_subject};
 pub(crate) use reconstruct::relative_albedo;

@@ -119,9 +119,12 @@ fn with_photographed<T>(
     work(&Photographed { lights: &lights, lamps: &lamps, mask: &object.mask, camera: &camera, white_light })
 }
 
-/// Puts the beta that the object tells where nothing else gives one, with what makes it doubtful among the warnings. Leaves it open
+/// Puts the beta that the object shows where nothing else gives one, with what makes it doubtful among the warnings. Leaves it open
 /// where nothing gives alpha either.
-pub(in super::super) fn add_beta_of_object(
+///
+/// # Errors
+/// `PipelineError`: the grey ball's photos, which say how bright white is, cannot be read, or cancelled.
+pub fn add_beta_of_object(
     set: &CaptureSet,
     object: &ObjectPhotos,
     calibrated: &mut Calibrated,

@@ -14,7 +14,7 @@ use crate::set::{CaptureSet, Method};
 
 pub use colours::{denoise_lights, separate_lights};
 pub use colours_and_shape::ColoursAndShapeSolved;
-pub(super) use colours_and_shape::add_beta_of_object;
+pub use colours_and_shape::add_beta_of_object;
 pub use shape::{AlbedoScale, NayarSolved};
 
 pub(super) use shape::{white_light, white_light_if_known};

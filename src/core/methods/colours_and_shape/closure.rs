@@ -232,8 +232,8 @@ fn findings(
     options: &ClosureOptions,
 ) -> Vec<ClosureFinding> {
     let mut findings = Vec::new();
-    let is_too_much = amount.is_known()
-        && (amount.mean > MAX_ALBEDO || s_over_k.is_some_and(|s_over_k| s_over_k > MAX_S_OVER_K));
+    let is_too_much =
+        amount.is_known() && (amount.mean > MAX_ALBEDO || s_over_k.is_some_and(|s_over_k| s_over_k > MAX_S_OVER_K));
     for (colour, &ColourClosure { beta, object, .. }) in (1..).zip(colours) {
         let Some(object) = object else { continue };
         let ObjectBeta { estimate, end, .. } = object;

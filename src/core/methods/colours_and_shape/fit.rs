@@ -115,14 +115,7 @@ impl Fit {
     }
 
     /// The amount in windows where the colours fit beta, that of the whole object where they do not.
-    pub(super) fn amount(
-        &self,
-        windows: Windows,
-        fits: &Mask,
-        arriving: &Plane,
-        share: f64,
-        sigma_px: f64,
-    ) -> Amount {
+    pub(super) fn amount(&self, windows: Windows, fits: &Mask, arriving: &Plane, share: f64, sigma_px: f64) -> Amount {
         // Windows that reach into another paint say nothing of this one.
         let other = gaussian(&fits.map(|fits| if fits { 0.0 } else { 1.0 }), sigma_px);
         let is_clear = other.map(|other| other < REACHED);

@@ -134,7 +134,9 @@ pub enum NoShape {
         over_shape: f64,
     },
     /// There is far more light than the walls in view can send.
-    #[error("most of the cavity is out of view: there is {amount:.1} times as much indirect light as the walls in view receive")]
+    #[error(
+        "most of the cavity is out of view: there is {amount:.1} times as much indirect light as the walls in view receive"
+    )]
     OutOfView {
         /// The amount of indirect light over what arrives.
         amount: f64,

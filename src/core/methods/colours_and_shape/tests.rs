@@ -284,7 +284,10 @@ fn without_three_lamps_each_light_has_one_ratio_and_the_report_says_why() {
 /// Low lamps leave most of a bowl to fewer than three: its shape is a guess there, and one ratio a light is better.
 #[test]
 fn a_shape_that_low_lamps_leave_unknown_is_left_out() {
-    let staged = Staged::under(&Scene::Bowl { radius_mm: 40.0, half_angle_deg: 80.0, rim_mm: 8.0 }, &directions_on_ring(8, 58.0));
+    let staged = Staged::under(
+        &Scene::Bowl { radius_mm: 40.0, half_angle_deg: 80.0, rim_mm: 8.0 },
+        &directions_on_ring(8, 58.0),
+    );
     let found = staged.solve(&ColoursAndShapeOptions::default()).unwrap();
     assert!(matches!(found.report.no_shape, Some(NoShape::Misfit { .. })), "{:?}", found.report);
     let even = staged.solve(&ColoursAndShapeOptions { rounds: 0, ..Default::default() }).unwrap();

@@ -19,6 +19,8 @@ pub enum Plain {
     IndirectRatio,
     /// What part of the light that arrives from the object is sent on.
     IndirectAmount,
+    /// That part over the paint's albedo: 1 where all walls that send light are in view.
+    AmountOverAlbedo,
     /// Direct light, as another method finds it.
     #[serde(alias = "NayarDirect")]
     DirectBy,
@@ -36,11 +38,12 @@ pub enum Plain {
 
 impl Plain {
     /// Every one, in the order of the menu.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Direct,
         Self::Indirect,
         Self::IndirectRatio,
         Self::IndirectAmount,
+        Self::AmountOverAlbedo,
         Self::DirectBy,
         Self::Residual,
         Self::Noise,
@@ -91,6 +94,21 @@ impl Plain {
                 range: Range::FromZero,
                 quantity: |_| AMOUNT,
                 impossible: without_shape_or_colours,
+            },
+            Self::AmountOverAlbedo => Row {
+                title: "Amount over albedo",
+                each: Each::Light(|method| method == Method::ColoursAndShape),
+                by_colour: false,
+                place: Place::BeforeBounces,
+                map: ColourMap::Viridis,
+                range: Range::FromZero,
+                quantity: |_| AMOUNT_OVER_ALBEDO,
+                impossible: |set| {
+                    let unknown = set.calibration.grey_albedo.is_none() && set.calibration.white_light.is_none();
+                    let why =
+                        "the paint's albedo is not known: state the grey ball's albedo below the method in Separate";
+                    without_shape_or_colours(set).or_else(|| unknown.then_some(why))
+                },
             },
             Self::DirectBy => Row {
                 title: "Direct light",
@@ -171,6 +189,8 @@ const RATIO: Quantity =
     Quantity { words: "Ratio to the reference colour", difference: "Difference of the ratio", unit: "" };
 const AMOUNT: Quantity =
     Quantity { words: "Share of arriving light sent on", difference: "Difference of the share", unit: "" };
+const AMOUNT_OVER_ALBEDO: Quantity =
+    Quantity { words: "Amount of indirect light over the albedo", difference: "Difference of the ratio", unit: "" };
 const ALBEDO: Quantity =
     Quantity { words: "Albedo, relative to the first lamp", difference: "Difference of albedo", unit: "" };
 const NOISE_DEG: Quantity =

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{Calibrated, PhotoStore, Preference, calibrate_with};
-use firstbounce_capture::set::{self, Light, Separation, ShapeSettings, Subject, Truth};
+use firstbounce_capture::pipeline::{
+    Calibrated, ObjectPhotos, PhotoStore, Preference, SolveOptions, add_beta_of_object, calibrate_with,
+};
+use firstbounce_capture::set::{self, BallValue, Light, Separation, ShapeSettings, Subject, Truth};
 
 use super::{Loaded, Step, without_given};
 use crate::app::base::jobs::Job;
@@ -39,6 +41,8 @@ pub struct Calibrate(pub Step, pub Preference);
 #[derive(PartialEq)]
 struct Key {
     set: CaptureSet,
+    /// Of the object's photos, where beta is measured on them.
+    object: Option<u64>,
     reloads: u64,
 }
 
@@ -62,16 +66,20 @@ impl Stage for Calibrate {
     fn key(&self, known: &Known) -> Option<AnyKey> {
         let set = &known.document.set;
         // A set that contradicts itself is shown, and solved when it is put right.
-        known.ready::<Loaded>(Step::Load).filter(|_| !set.lights.is_empty() && set.check().is_empty())?;
-        Some(AnyKey::new(Key { set: self.seen(set), reloads: known.results.reloads }))
+        let (_, loaded) =
+            known.ready::<Loaded>(Step::Load).filter(|_| !set.lights.is_empty() && set.check().is_empty())?;
+        let object = self.measures_object(set).then_some(loaded);
+        Some(AnyKey::new(Key { set: self.seen(set), object, reloads: known.results.reloads }))
     }
 
     fn work(&self, document: Arc<Document>, results: &Results) -> Option<Work> {
         let (set, preference, store) = (self.seen(&document.set), self.1, results.photos.clone());
         // What the balls say of a rig whose file goes first is no warning.
         let is_in_force = self.0 == Step::Calibrate;
+        let object = results.loaded().filter(|_| self.measures_object(&document.set));
+        let object = object.and_then(|loaded| loaded.object.clone().ok());
         Some(Box::new(move |job| {
-            let rig = calibration(&set, preference, &store, job)?;
+            let rig = calibration(&set, preference, object.as_deref(), &store, job)?;
             let warnings = if is_in_force { rig.calibrated.warnings.clone() } else { Vec::new() };
             Ok(Done::new(rig).with_warnings(warnings))
         }))
@@ -81,8 +89,18 @@ impl Stage for Calibrate {
 impl Calibrate {
     /// The set, reduced to what decides over the calibration.
     fn seen(&self, set: &CaptureSet) -> CaptureSet {
-        let rig = rig_of(set);
-        if self.0 == Step::Measure { without_given(&rig) } else { rig }
+        match self.0 {
+            Step::Measure => without_given(&rig_of(set)),
+            _ if self.measures_object(set) => {
+                CaptureSet { name: String::new(), truth: Truth::default(), ..set.clone() }
+            }
+            _ => rig_of(set),
+        }
+    }
+
+    /// Whether beta is measured on the object: neither the file nor a ball gives it.
+    fn measures_object(&self, set: &CaptureSet) -> bool {
+        self.0 == Step::Calibrate && set.calibration.beta.is_none() && !set.has_ball_for(BallValue::Beta)
     }
 }
 
@@ -102,13 +120,18 @@ fn rig_of(set: &CaptureSet) -> CaptureSet {
 fn calibration(
     set: &CaptureSet,
     preference: Preference,
+    object: Option<&ObjectPhotos>,
     store: &PhotoStore,
     job: &Job,
 ) -> Result<Calibration, StageError> {
+    let mut calibrated = calibrate_with(set, preference, store, job)?;
+    if let Some(object) = object {
+        add_beta_of_object(set, object, &mut calibrated, &SolveOptions::of(set), job)?;
+    }
     Ok(Calibration {
         lights: set.lights.iter().map(|light| light.name.clone()).collect(),
         colours: set.colours.iter().map(|colour| colour.name.clone()).collect(),
-        calibrated: Arc::new(calibrate_with(set, preference, store, job)?),
+        calibrated: Arc::new(calibrated),
         given: Given { values: set.calibration.clone(), lights: set.lights.clone() },
     })
 }

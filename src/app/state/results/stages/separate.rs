@@ -140,7 +140,12 @@ fn maps(batch: &mut Batch, set: &CaptureSet, light: &MethodLight, mask: &Mask) {
             batch.put(Plain::IndirectRatio.of(Of::light_in(&of.name, &colour.name)), &in_pixels(ratio));
         }
         if let Some(amount) = &maps.amount {
-            batch.put(Plain::IndirectAmount.of(Of::light(&of.name)), &in_pixels(amount));
+            let amount = in_pixels(amount);
+            batch.put(Plain::IndirectAmount.of(Of::light(&of.name)), &amount);
+            if let Some(albedo) = found.report.closure.as_ref().and_then(|closure| closure.albedo) {
+                let over_albedo = amount.map(|amount| amount / albedo as f32);
+                batch.put(Plain::AmountOverAlbedo.of(Of::light(&of.name)), &over_albedo);
+            }
         }
     }
 }
