@@ -2,7 +2,8 @@
 
 use clap::Args;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{Exposed, survey};
+use firstbounce_capture::image_file::Metadata;
+use firstbounce_capture::pipeline::{Exposed, Exposures, PhotoStore, survey};
 use firstbounce_capture::set::{BallValue, Shot, Subject};
 use serde::Serialize;
 
@@ -48,11 +49,27 @@ struct ShotInfo {
     colour: Option<String>,
     channel: String,
     exposure: f64,
+    /// What the exposure comes from: `capture.toml`, `exif` or `default`.
+    exposure_source: &'static str,
+    /// What the first of its files says of itself.
+    file: Option<FileInfo>,
     repeats: usize,
     clipped: Option<f64>,
     dark: Option<f64>,
     mean: Option<f64>,
     problem: Option<String>,
+}
+
+/// What a file says of itself; `null` where it says nothing that can be true.
+#[derive(Debug, Serialize)]
+struct FileInfo {
+    exposure_s: Option<f64>,
+    f_number: Option<f64>,
+    iso: Option<f64>,
+    focal_length_mm: Option<f64>,
+    taken: Option<String>,
+    orientation: Option<u8>,
+    curve: String,
 }
 
 /// Runs the command.
@@ -61,7 +78,12 @@ pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
     let set = CaptureSet::open(&args.set.path)?;
     let exposed = survey(&set, &terminal);
     terminal.finish();
-    let shots = set.shots.iter().zip(exposed?).map(|(shot, exposed)| shot_info(&set, shot, exposed));
+    let store = PhotoStore::default();
+    let exposures = store.exposures(&set);
+    let shots = set.shots.iter().zip(exposed?).map(|(shot, exposed)| {
+        let first = shot.files.first().and_then(|file| store.metadata(&set.resolve(file)));
+        shot_info(&set, shot, (&exposures, first), exposed)
+    });
     let info = Info {
         name: set.title(),
         folder: set.folder.display().to_string(),
@@ -84,19 +106,42 @@ fn subject_info(set: &CaptureSet, subject: Subject) -> SubjectInfo {
     SubjectInfo { subject: subject.to_string(), shots: set.shots_of(subject).count(), files: files.len() }
 }
 
-fn shot_info(set: &CaptureSet, shot: &Shot, exposed: Result<Exposed, String>) -> ShotInfo {
+fn shot_info(
+    set: &CaptureSet,
+    shot: &Shot,
+    (exposures, file): (&Exposures, Option<Metadata>),
+    exposed: Result<Exposed, String>,
+) -> ShotInfo {
     let number = |value: fn(&Exposed) -> f64| exposed.as_ref().ok().map(value);
     ShotInfo {
         subject: shot.subject.to_string(),
         light: shot.light.clone(),
         colour: shot.colour.clone(),
         channel: set.channel_of(shot).to_string(),
-        exposure: shot.exposure,
+        exposure: exposures.exposure(shot),
+        exposure_source: match (shot.exposure, exposures.filled_in(shot)) {
+            (Some(_), _) => "capture.toml",
+            (None, Some(_)) => "exif",
+            (None, None) => "default",
+        },
+        file: file.map(file_info),
         repeats: shot.files.len(),
         clipped: number(|exposed| exposed.clipped),
         dark: number(|exposed| exposed.dark),
         mean: number(|exposed| exposed.mean),
         problem: exposed.err(),
+    }
+}
+
+fn file_info(metadata: Metadata) -> FileInfo {
+    FileInfo {
+        exposure_s: metadata.exposure_s,
+        f_number: metadata.f_number,
+        iso: metadata.iso,
+        focal_length_mm: metadata.focal_length_mm,
+        taken: metadata.taken.map(|taken| taken.to_string()),
+        orientation: metadata.orientation,
+        curve: metadata.curve.to_string(),
     }
 }
 
@@ -159,7 +204,7 @@ fn shot_rows(shots: &[ShotInfo]) -> Vec<Vec<String>> {
             shot.light.as_deref().unwrap_or("-"),
             shot.colour.as_deref().unwrap_or("-"),
             &shot.channel,
-            &shot.exposure.to_string(),
+            &exposure_words(shot),
             &shot.repeats.to_string(),
             &percent(shot.clipped),
             &percent(shot.dark),
@@ -168,6 +213,11 @@ fn shot_rows(shots: &[ShotInfo]) -> Vec<Vec<String>> {
         ])
     };
     std::iter::once(row(heading)).chain(shots.iter().map(shot)).collect()
+}
+
+fn exposure_words(shot: &ShotInfo) -> String {
+    let of_file = if shot.exposure_source == "exif" { " (EXIF)" } else { "" };
+    format!("{}{of_file}", shot.exposure)
 }
 
 fn text(info: &Info) -> String {

@@ -4,6 +4,11 @@ use std::fmt;
 
 use firstbounce_core::image::colour::{linear_from_srgb, srgb_from_linear};
 
+/// How far two curves that count as one may lie apart, in light of 0 to 1: profiles round their tables.
+const MAX_DEVIATION: f32 = 1e-3;
+/// Where they are compared.
+const STEPS: u16 = 64;
+
 /// A channel of a picture file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Channel {
@@ -41,12 +46,33 @@ impl Encoding {
         }
     }
 
+    /// Whether the two give the same light, within 0.001 of white.
+    pub fn is_near(self, other: Self) -> bool {
+        self.follows(|stored| other.decode(stored))
+    }
+
+    /// Whether a curve from stored values to light is this one, within 0.001 of white.
+    pub(super) fn follows(self, light: impl Fn(f32) -> f32) -> bool {
+        let mut stored = (0..=STEPS).map(|step| f32::from(step) / f32::from(STEPS));
+        stored.all(|stored| (light(stored) - self.decode(stored)).abs() <= MAX_DEVIATION)
+    }
+
     /// The stored value of light, the inverse of [`Self::decode`].
     pub fn encode(self, light: f32) -> f32 {
         match self {
             Self::Linear => light,
             Self::Srgb => srgb_from_linear(light),
             Self::Gamma(gamma) => light.abs().powf(1.0 / gamma as f32).copysign(light),
+        }
+    }
+}
+
+impl fmt::Display for Encoding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Linear => f.write_str("linear light"),
+            Self::Srgb => f.write_str("the sRGB curve"),
+            Self::Gamma(gamma) => write!(f, "a gamma of {gamma:.2}"),
         }
     }
 }

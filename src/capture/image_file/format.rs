@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::head::{Head, Stated};
 use super::read::{Decoded, Source};
-use super::{ImageError, exr_in, pfm, raster, tiff_in};
+use super::{ImageError, Metadata, exr_in, pfm, raster, tiff_in};
 
 /// The file formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +39,8 @@ struct Row {
     /// What the head says, before the file is read whole.
     stated: fn(&Source<'_>, Head<'_>) -> Result<Stated, ImageError>,
     read: ReadBytes,
+    /// What the head says beside the size, as far as it can be read.
+    metadata: fn(&Source<'_>, Head<'_>) -> Metadata,
 }
 
 impl Format {
@@ -54,6 +56,7 @@ impl Format {
                 usually_srgb: false,
                 stated: |source, head| raster::stated(source, Self::Png, head),
                 read: |source, bytes, _| raster::read(source, Self::Png, bytes),
+                metadata: |source, head| raster::png_metadata(source, head),
             },
             Self::Tiff => Row {
                 name: "TIFF",
@@ -62,6 +65,7 @@ impl Format {
                 usually_srgb: false,
                 stated: |source, head| tiff_in::stated(source, head),
                 read: |source, bytes, _| tiff_in::read(source, bytes),
+                metadata: |source, head| tiff_in::metadata(source, head),
             },
             Self::Exr => Row {
                 name: "EXR",
@@ -70,6 +74,7 @@ impl Format {
                 usually_srgb: false,
                 stated: |source, head| exr_in::stated(source, head),
                 read: exr_in::read,
+                metadata: |_, _| Metadata::default(),
             },
             Self::Jpeg => Row {
                 name: "JPEG",
@@ -78,6 +83,7 @@ impl Format {
                 usually_srgb: true,
                 stated: |source, head| raster::stated(source, Self::Jpeg, head),
                 read: |source, bytes, _| raster::read(source, Self::Jpeg, bytes),
+                metadata: |source, head| raster::jpeg_metadata(source, head),
             },
             Self::Hdr => Row {
                 name: "HDR",
@@ -86,6 +92,7 @@ impl Format {
                 usually_srgb: false,
                 stated: |source, head| raster::stated(source, Self::Hdr, head),
                 read: |source, bytes, _| raster::read(source, Self::Hdr, bytes),
+                metadata: |_, _| Metadata::default(),
             },
             Self::Pfm => Row {
                 name: "PFM",
@@ -94,6 +101,7 @@ impl Format {
                 usually_srgb: false,
                 stated: |source, head| pfm::stated(source, head),
                 read: |source, bytes, _| pfm::read(source, bytes),
+                metadata: |_, _| Metadata::default(),
             },
         }
     }
@@ -120,6 +128,12 @@ impl Format {
 
     pub(super) fn stated(self, source: &Source<'_>, head: Head<'_>) -> Result<Stated, ImageError> {
         (self.row().stated)(source, head)
+    }
+
+    /// Never fails: damage shows when the pixels are read.
+    pub(super) fn metadata(self, source: &Source<'_>, head: Head<'_>) -> Metadata {
+        let read = source.guarded(self, || Ok((self.row().metadata)(source, head)));
+        read.unwrap_or_default()
     }
 
     pub(super) fn read(self, source: &Source<'_>, bytes: &[u8], layer: Option<&str>) -> Result<Decoded, ImageError> {

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::open::open_file;
 
 use super::read::{BYTE_LIMIT, Source};
-use super::{Format, ImageError};
+use super::{Format, ImageError, Metadata};
 
 /// The most that is read of a file to learn its size; colour profiles and previews may stand before it.
 const MAX_HEAD_BYTES: u64 = 16 << 20;
@@ -29,6 +29,14 @@ pub struct PictureSize {
 /// As [`read_image`](super::read_image), but for what only its pixels show.
 pub fn picture_size(path: &Path) -> Result<PictureSize, ImageError> {
     Ok(Opened::open(path)?.stated()?.size)
+}
+
+/// What a picture says of itself beside its size: exposure, time, the curve of its values; from its head alone.
+///
+/// # Errors
+/// Where it cannot be opened, or is no picture.
+pub fn picture_metadata(path: &Path) -> Result<Metadata, ImageError> {
+    Opened::open(path)?.metadata()
 }
 
 /// What the head of a picture says.
@@ -63,6 +71,12 @@ impl<'a> Opened<'a> {
         let stated = format.stated(&source, file)?;
         source.check_size(stated.size)?;
         Ok(stated)
+    }
+
+    /// Reads what the picture says of its values and how it was taken.
+    pub fn metadata(&mut self) -> Result<Metadata, ImageError> {
+        let (source, format) = (self.source, self.format);
+        Ok(format.metadata(&source, self.head()?))
     }
 
     /// The file from its start, which ends early.

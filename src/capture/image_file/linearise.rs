@@ -1,7 +1,7 @@
 //! Stored values to linear light, with the pixels marked that must not be used.
 
 use std::borrow::Borrow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use firstbounce_core::image::photo::{CLIPPED, DARK};
@@ -9,7 +9,9 @@ use firstbounce_core::{Photo, Plane};
 use rayon::prelude::*;
 
 use super::repeats::Average;
-use super::{Channel, Corrections, Encoding, ImageError, ImageFile, ImageWarning, RepeatNoise, read_image};
+use super::{
+    Channel, Corrections, Encoding, ImageError, ImageFile, ImageWarning, Metadata, RepeatNoise, StatedCurve, read_image,
+};
 
 /// How many standard deviations of the noise at no light a pixel must rise above to count as lit.
 const DARK_SIGMAS: f32 = 3.0;
@@ -22,8 +24,8 @@ const MAX_LIGHT: f32 = 1e9;
 pub struct LinearOptions {
     /// The channel to take; for grey, the mean of the channels, in linear light.
     pub channel: Channel,
-    /// The curve of the stored values.
-    pub encoding: Encoding,
+    /// The curve of the stored values; `None` for what each file states, and linear where it states nothing.
+    pub encoding: Option<Encoding>,
     /// The stored value at no light.
     pub black_level: f32,
     /// The stored value where the sensor clips; `None` for the file type's maximum, or for floats 1, where nothing clips.
@@ -42,7 +44,7 @@ impl Default for LinearOptions {
     fn default() -> Self {
         Self {
             channel: Channel::Grey,
-            encoding: Encoding::Linear,
+            encoding: None,
             black_level: 0.0,
             white_level: None,
             exposure: 1.0,
@@ -66,7 +68,7 @@ impl LinearOptions {
             demand(white.is_finite() && white > self.black_level, "white_level", white, "more than black_level")?;
         }
         demand(self.exposure.is_finite() && self.exposure > 0.0, "exposure", self.exposure, "a number above 0")?;
-        if let Encoding::Gamma(gamma) = self.encoding {
+        if let Some(Encoding::Gamma(gamma)) = self.encoding {
             demand((0.1..=10.0).contains(&gamma), "gamma", gamma as f32, "0.1 to 10")?;
         }
         if let Some(sigma) = self.noise_floor {
@@ -87,6 +89,10 @@ pub struct LinearLight {
     pub noise: Option<RepeatNoise>,
     /// Below this fraction of the range from black to white pixels were marked dark.
     pub dark_below: f32,
+    /// What the light was divided by.
+    pub exposure: f32,
+    /// The files that were averaged, and what each says of itself.
+    pub files: Vec<(PathBuf, Metadata)>,
     /// From one stored integer to the next in linear light, in the middle of the range; 0 for floats.
     pub quantisation_step: f32,
     /// The warnings of all files.
@@ -153,6 +159,8 @@ pub fn linearise<I: Borrow<ImageFile>>(
         repeats: average.repeats,
         noise,
         dark_below,
+        exposure: options.exposure,
+        files: average.files,
         quantisation_step,
         warnings: average.warnings,
     })
@@ -161,6 +169,24 @@ pub fn linearise<I: Borrow<ImageFile>>(
 fn dark_threshold(options: &LinearOptions, corrections: &Corrections, repeats: usize) -> f32 {
     let sigma = corrections.dark.and_then(|dark| dark.noise_floor).or(options.noise_floor);
     sigma.map_or(options.dark_below, |sigma| DARK_SIGMAS * sigma / (repeats as f32).sqrt())
+}
+
+/// What the user should know of a file, by what is stated of it elsewhere.
+pub(super) fn warnings_of(image: &ImageFile, stated: Option<Encoding>) -> Vec<ImageWarning> {
+    // Where the capture file states the encoding, none needs to be guessed.
+    let asks = |warning: &&ImageWarning| !(stated.is_some() && matches!(warning, ImageWarning::ProbablySrgb { .. }));
+    let path = image.path.clone();
+    let of_curve = match (&image.metadata.curve, stated) {
+        (StatedCurve::Known(curve), Some(believed)) if !curve.is_near(believed) => {
+            Some(ImageWarning::CurveContradicted { path, curve: *curve, believed })
+        }
+        (StatedCurve::Known(curve), None) if *curve != Encoding::Linear => {
+            Some(ImageWarning::CurveUndone { path, curve: *curve })
+        }
+        (StatedCurve::Unknown(curve), None) => Some(ImageWarning::CurveUnknown { path, curve: curve.clone() }),
+        _ => None,
+    };
+    image.warnings.iter().filter(asks).cloned().chain(of_curve).collect()
 }
 
 /// From stored values of one file to fractions of the range from black to white.
@@ -181,7 +207,8 @@ impl<'a> Scale<'a> {
         LinearOptions { white_level: Some(white_level), ..*options }.check()?;
         let planes = image.pick(options.channel)?;
         let full_scale = full_scale(white_level);
-        let decode = |stored: f32| options.encoding.decode(stored / full_scale);
+        let encoding = options.encoding.or(image.metadata.curve.known()).unwrap_or_default();
+        let decode = |stored: f32| encoding.decode(stored / full_scale);
         let black = decode(options.black_level);
         let share = 1.0 / (planes.len() as f32 * (decode(white_level) - black));
         if !(black.is_finite() && share.is_normal()) {
@@ -189,7 +216,7 @@ impl<'a> Scale<'a> {
             return Err(ImageError::Levels { path, black, white: white_level });
         }
         let clips_at = clips.unwrap_or(f32::INFINITY);
-        Ok(Self { planes, encoding: options.encoding, full_scale, black, share, clips_at })
+        Ok(Self { planes, encoding, full_scale, black, share, clips_at })
     }
 
     /// From one stored integer to the next, in the middle of the range.

@@ -11,6 +11,7 @@
 //! checked, and stay in this one.
 
 mod correction;
+mod curve;
 mod depth_png;
 mod encoding;
 mod error;
@@ -21,6 +22,7 @@ mod find;
 mod format;
 mod head;
 mod linearise;
+mod metadata;
 mod pfm;
 mod png_out;
 mod raster;
@@ -31,8 +33,8 @@ mod subprocess;
 mod texture;
 mod tiff_in;
 mod tiff_tags;
+mod warning;
 
-use std::fmt;
 use std::path::PathBuf;
 
 use firstbounce_core::Plane;
@@ -45,13 +47,15 @@ pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
 pub use find::{MAX_LOOKED_AT, MAX_PICTURES, PicturesFound, pictures_in};
 pub use format::Format;
-pub use head::{PictureSize, picture_size};
+pub use head::{PictureSize, picture_metadata, picture_size};
 pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
+pub use metadata::{Metadata, StatedCurve, TakenAt};
 pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};
 pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
 pub use repeats::{NoiseBin, RepeatNoise};
 pub use subprocess::{DECODE_COMMAND, DecodeLimits, decode_for_parent, decode_in};
 pub use texture::texture_png;
+pub use warning::ImageWarning;
 
 /// What values a file can hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +75,8 @@ pub struct ImageFile {
     pub channels: Vec<(Channel, Plane)>,
     /// The range of the stored values.
     pub stored: StoredRange,
+    /// What it says of itself.
+    pub metadata: Metadata,
     /// Reasons to take care with the values.
     pub warnings: Vec<ImageWarning>,
 }
@@ -97,52 +103,5 @@ impl ImageFile {
             return Err(ImageError::NoChannel { path: self.path.clone(), wanted, present });
         }
         Ok(planes)
-    }
-}
-
-/// A reason to take care with a file's values.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ImageWarning {
-    /// Only 256 levels.
-    EightBit {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The format nearly always holds sRGB.
-    ProbablySrgb {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The name says another format than the content; the content was believed.
-    WrongExtension {
-        /// The file.
-        path: PathBuf,
-        /// What the content is.
-        format: Format,
-    },
-}
-
-impl fmt::Display for ImageWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::EightBit { path } => {
-                write!(
-                    f,
-                    "{}: 8 bits a pixel, too coarse for dim bounces; shoot raw and export 16 bits",
-                    path.display()
-                )
-            }
-            Self::ProbablySrgb { path } => write!(
-                f,
-                "{}: a JPEG is nearly always sRGB; set encoding = \"srgb\", or \"linear\" if you know that it is",
-                path.display()
-            ),
-            Self::WrongExtension { path, format } => write!(
-                f,
-                "{}: the content is {format} in spite of the name; rename it to .{}",
-                path.display(),
-                format.extensions()[0]
-            ),
-        }
     }
 }

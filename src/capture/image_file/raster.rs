@@ -8,7 +8,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use super::head::{PictureSize, Stated};
 use super::read::{Decoded, Source};
 use super::samples::{Layout, split};
-use super::{Format, ImageError, StoredRange};
+use super::{Encoding, Format, ImageError, Metadata, StatedCurve, StoredRange};
 
 /// The most that a colour profile or another text beside the pixels may inflate to.
 const MAX_EXTRA_BYTES: usize = 64 << 20;
@@ -22,6 +22,25 @@ fn size(decoder: &impl ImageDecoder) -> PictureSize {
     let (width, height) = decoder.dimensions();
     let channels = usize::from(decoder.color_type().channel_count());
     PictureSize { width: width as usize, height: height as usize, channels }
+}
+
+/// What stands before the pixels of a PNG.
+pub(super) fn png_metadata(_source: &Source, file: impl BufRead + Seek) -> Metadata {
+    let mut decoder = png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_EXTRA_BYTES });
+    decoder.set_ignore_text_chunk(true);
+    let Ok(reader) = decoder.read_info() else { return Metadata::default() };
+    let info = reader.info();
+    let exif = info.exif_metadata.as_ref().map(|block| Metadata::of_exif(block.to_vec()).0);
+    Metadata { curve: StatedCurve::of_png(info), ..exif.unwrap_or_default() }
+}
+
+/// A colour profile, or else what EXIF says of the colours.
+pub(super) fn jpeg_metadata(source: &Source, file: impl BufRead + Seek) -> Metadata {
+    let Ok(mut decoder) = decoder(source, Format::Jpeg, file, MAX_EXTRA_BYTES) else { return Metadata::default() };
+    let profile = decoder.icc_profile().ok().flatten();
+    let (metadata, is_srgb) = decoder.exif_metadata().ok().flatten().map(Metadata::of_exif).unwrap_or_default();
+    let of_exif = if is_srgb { StatedCurve::Known(Encoding::Srgb) } else { StatedCurve::Unstated };
+    Metadata { curve: profile.map_or(of_exif, |profile| StatedCurve::of_icc(&profile)), ..metadata }
 }
 
 /// Palettes and fewer than 8 bits come out as 8 bits, 0 and 255 for the two values of a one-bit picture.

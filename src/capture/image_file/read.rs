@@ -7,7 +7,7 @@ use firstbounce_core::{Mask, Plane};
 use rayon::prelude::*;
 
 use super::head::{Opened, PictureSize};
-use super::{Channel, Format, ImageError, ImageFile, ImageWarning, StoredRange, subprocess};
+use super::{Channel, Format, ImageError, ImageFile, ImageWarning, Metadata, StatedCurve, StoredRange, subprocess};
 use crate::guard::{Panicked, guarded};
 
 /// The most pixels of a picture: twice the largest camera sensor of today.
@@ -57,6 +57,7 @@ pub fn read_image_as(path: &Path, options: &ReadOptions) -> Result<ImageFile, Im
     let mut opened = Opened::open(path)?;
     let (source, format) = (opened.source, opened.format);
     let stated = opened.stated()?;
+    let metadata = opened.metadata()?;
     let layer = options.layer.as_deref();
     let decoded = match subprocess::program() {
         Some(program) if !stated.bounded => subprocess::decode(program, &mut opened, stated.size, layer)?,
@@ -69,7 +70,8 @@ pub fn read_image_as(path: &Path, options: &ReadOptions) -> Result<ImageFile, Im
     Ok(ImageFile {
         path: path.to_path_buf(),
         format,
-        warnings: warnings(path, format, &decoded, options.content),
+        warnings: warnings(path, format, &decoded, &metadata, options.content),
+        metadata,
         channels: decoded.channels,
         stored: decoded.stored,
     })
@@ -154,7 +156,7 @@ impl Source<'_> {
 }
 
 /// What a decoder says may quote the file, at any length.
-fn one_line(text: impl Display) -> String {
+pub(super) fn one_line(text: impl Display) -> String {
     let text = text.to_string().replace(char::is_control, " ");
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
     match line.char_indices().nth(MAX_REASON_CHARS) {
@@ -163,7 +165,13 @@ fn one_line(text: impl Display) -> String {
     }
 }
 
-fn warnings(path: &Path, format: Format, decoded: &Decoded, content: Content) -> Vec<ImageWarning> {
+fn warnings(
+    path: &Path,
+    format: Format,
+    decoded: &Decoded,
+    metadata: &Metadata,
+    content: Content,
+) -> Vec<ImageWarning> {
     let path = path.to_path_buf();
     let mut warnings = Vec::new();
     if Format::of_name(&path) != Some(format) {
@@ -172,7 +180,7 @@ fn warnings(path: &Path, format: Format, decoded: &Decoded, content: Content) ->
     if content == Content::Photo && decoded.stored.maximum.is_some_and(|maximum| maximum <= 255.0) {
         warnings.push(ImageWarning::EightBit { path: path.clone() });
     }
-    if content == Content::Photo && format.usually_srgb() {
+    if content == Content::Photo && format.usually_srgb() && metadata.curve == StatedCurve::Unstated {
         warnings.push(ImageWarning::ProbablySrgb { path });
     }
     warnings

@@ -7,8 +7,8 @@ use firstbounce_core::image::photo::CLIPPED;
 use firstbounce_core::{Marks, Plane};
 use rayon::prelude::*;
 
-use super::linearise::Scale;
-use super::{ImageError, ImageFile, ImageWarning, LinearOptions};
+use super::linearise::{Scale, warnings_of};
+use super::{ImageError, ImageFile, ImageWarning, LinearOptions, Metadata};
 
 /// How many bins of signal the variance is averaged in.
 const BINS: usize = 64;
@@ -45,6 +45,8 @@ pub(super) struct Average {
     /// From one stored integer to the next, in the middle of the range; 0 for floats.
     pub step: f32,
     pub first: PathBuf,
+    /// The files, and what each says of itself.
+    pub files: Vec<(PathBuf, Metadata)>,
     pub warnings: Vec<ImageWarning>,
 }
 
@@ -71,9 +73,11 @@ impl Average {
         let mut marks = Marks::filled(width, height, 0);
         let rows = mean.data_mut().par_chunks_mut(width).zip(marks.data_mut().par_chunks_mut(width));
         rows.enumerate().for_each(|(y, (mean, marks))| scale.row(y, mean, marks));
-        let (first, warnings) = (image.path.clone(), image.warnings.clone());
+        let first = image.path.clone();
+        let files = vec![(first.clone(), image.metadata.clone())];
+        let warnings = warnings_of(image, options.encoding);
         let step = if image.stored.maximum.is_some() { scale.step() } else { 0.0 };
-        Ok(Self { mean, spread: None, marks, repeats: 1, step, first, warnings })
+        Ok(Self { mean, spread: None, marks, repeats: 1, step, first, files, warnings })
     }
 
     /// Welford's update: stable in f32, in one pass.
@@ -99,7 +103,8 @@ impl Average {
                     }
                 },
             );
-        self.warnings.extend(image.warnings.iter().cloned());
+        self.files.push((image.path.clone(), image.metadata.clone()));
+        self.warnings.extend(warnings_of(image, options.encoding));
         Ok(())
     }
 

@@ -2,15 +2,20 @@
 
 use std::io::{Cursor, Read, Seek};
 
-use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
+use tiff::decoder::ifd::Value;
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, IfdDecoder, Limits};
 use tiff::tags::{CompressionMethod, Tag};
 use tiff::{ColorType, TiffError};
 
 use super::head::{PictureSize, Stated};
+use super::metadata::TagValue;
 use super::read::{BYTE_LIMIT, Decoded, Source};
 use super::samples::{Layout, split};
 use super::tiff_tags::longest_text;
-use super::{Format, ImageError, StoredRange};
+use super::{Format, ImageError, Metadata, StatedCurve, StoredRange};
+
+/// The longest value of EXIF that is read: a time has 20 letters.
+const MAX_TAG_VALUES: u64 = 64;
 
 pub(super) fn stated(source: &Source, mut file: impl Read + Seek) -> Result<Stated, ImageError> {
     let longest_text = longest_text(&mut file).map_err(|error| source.damaged(Format::Tiff, error))?;
@@ -77,6 +82,45 @@ fn failed(source: &Source, error: TiffError) -> ImageError {
     match error {
         TiffError::UnsupportedError(what) => source.unsupported(Format::Tiff, what),
         error => source.damaged(Format::Tiff, error),
+    }
+}
+
+/// Of the tags of the first picture and their EXIF directory.
+pub(super) fn metadata(source: &Source, mut file: impl Read + Seek) -> Metadata {
+    // A text that is too long makes the decoder print a line.
+    if stated(source, &mut file).is_err() || file.rewind().is_err() {
+        return Metadata::default();
+    }
+    let Ok(mut decoder) = Decoder::new(file) else { return Metadata::default() };
+    let exif = decoder.find_tag(Tag::ExifDirectory).ok().flatten().and_then(|place| place.into_ifd_pointer().ok());
+    let exif = exif.and_then(|place| decoder.read_directory(place).ok());
+    let metadata = Metadata::of_tags(|tag| {
+        let tag = Tag::from_u16_exhaustive(tag);
+        let own = tag_value(decoder.image_ifd(), tag);
+        own.or_else(|| tag_value(decoder.read_directory_tags(exif.as_ref()?), tag))
+    });
+    let curve = match decoder.image_ifd().find_entry(Tag::IccProfile) {
+        None => StatedCurve::Unstated,
+        // A profile that is too long to be read is damaged as any other.
+        Some(_) => StatedCurve::of_icc(&decoder.get_tag_u8_vec(Tag::IccProfile).unwrap_or_default()),
+    };
+    Metadata { curve, ..metadata }
+}
+
+fn tag_value(mut tags: IfdDecoder, tag: Tag) -> Option<TagValue> {
+    tags.find_entry(tag).filter(|entry| entry.count() <= MAX_TAG_VALUES)?;
+    let value = match tags.find_tag(tag).ok()?? {
+        Value::List(values) => values.into_iter().next()?,
+        value => value,
+    };
+    match value {
+        Value::Ascii(text) => Some(TagValue::Text(text)),
+        Value::Rational(above, below) => Some(TagValue::Number(f64::from(above) / f64::from(below))),
+        Value::SRational(above, below) => Some(TagValue::Number(f64::from(above) / f64::from(below))),
+        number => {
+            let whole = number.clone().into_u64().map(|whole| whole as f64);
+            whole.or_else(|_| number.into_f64()).ok().map(TagValue::Number)
+        }
     }
 }
 

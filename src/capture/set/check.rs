@@ -148,8 +148,8 @@ impl Found {
         self.add(Location::Camera, "white_level", message);
     }
 
-    fn encoding(&mut self, location: Location, encoding: Encoding) {
-        if let Encoding::Gamma(gamma) = encoding {
+    fn encoding(&mut self, location: Location, encoding: Option<Encoding>) {
+        if let Some(Encoding::Gamma(gamma)) = encoding {
             self.number(location, "encoding", Number::Gamma, gamma);
         }
     }
@@ -180,10 +180,8 @@ impl Found {
         if shot.files.iter().any(String::is_empty) {
             self.add(location, "files", "expected file paths, found \"\"");
         }
-        self.number(location, "exposure", Number::Exposure, shot.exposure);
-        if let Some(encoding) = shot.encoding {
-            self.encoding(location, encoding);
-        }
+        self.maybe_number(location, "exposure", Number::Exposure, shot.exposure);
+        self.encoding(location, shot.encoding);
     }
 
     fn naming(&mut self, at: Location, subject: Subject, (key, naming): (&str, Naming), value: Option<&str>) {

@@ -48,8 +48,8 @@ pub struct CaptureSet {
 pub struct Camera {
     /// How space becomes pixels.
     pub projection: Projection,
-    /// How light becomes stored values.
-    pub encoding: Encoding,
+    /// How light becomes stored values; `None`: as each file says, and linear where it says nothing.
+    pub encoding: Option<Encoding>,
     /// The stored value at no light.
     pub black_level: f64,
     /// The stored value where it clips; `None`: the file type's maximum.
@@ -106,7 +106,7 @@ pub struct Light {
 }
 
 /// One photo, or repeats of one.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shot {
     /// What is in the picture.
     pub subject: Subject,
@@ -116,27 +116,11 @@ pub struct Shot {
     pub colour: Option<String>,
     /// Repeats, averaged in linear light; as written in the file.
     pub files: Vec<String>,
-    /// Relative; linear values are divided by it.
-    pub exposure: f64,
+    /// Relative; linear values are divided by it. `None`: by the exposures that the files state, and 1 where they state none.
+    pub exposure: Option<f64>,
     /// Where these files differ from the camera's encoding.
     pub encoding: Option<Encoding>,
 }
-
-impl Default for Shot {
-    fn default() -> Self {
-        Self {
-            subject: Subject::default(),
-            light: None,
-            colour: None,
-            files: Vec::new(),
-            exposure: DEFAULT_EXPOSURE,
-            encoding: None,
-        }
-    }
-}
-
-/// The exposure of a shot that names none.
-pub const DEFAULT_EXPOSURE: f64 = 1.0;
 
 /// The circle of a ball in the pictures of one subject.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -94,9 +94,9 @@ impl CaptureSet {
         self.shots.iter().filter(move |shot| shot.subject == subject)
     }
 
-    /// The encoding of a shot's files: its own or the camera's.
-    pub fn encoding_of(&self, shot: &Shot) -> Encoding {
-        shot.encoding.unwrap_or(self.camera.encoding)
+    /// The encoding that is stated of a shot's files: its own or the camera's.
+    pub fn encoding_of(&self, shot: &Shot) -> Option<Encoding> {
+        shot.encoding.or(self.camera.encoding)
     }
 
     /// The channel of a shot's files that holds its colour; the mean of all where it names none.

@@ -209,7 +209,7 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
     };
     Camera {
         projection: if perspective { read_perspective(fields) } else { read_orthographic(fields) },
-        encoding: fields.get("encoding", ENCODING, encoding).unwrap_or_default(),
+        encoding: fields.get("encoding", ENCODING, encoding),
         black_level: fields.get("black_level", &Number::BlackLevel.words(), number).unwrap_or_default(),
         white_level: fields.get("white_level", &Number::WhiteLevel.words(), number),
         full_well_electrons: fields.get("full_well_electrons", &Number::FullWellElectrons.words(), number),
@@ -264,7 +264,7 @@ fn read_shot(fields: &mut Fields<'_, '_>) -> Shot {
         light: fields.get("light", "a light's name", text),
         colour: fields.get("colour", "a colour's name", text),
         files: fields.require("files", "a list of file paths", texts).unwrap_or_default(),
-        exposure: fields.get("exposure", &Number::Exposure.words(), number).unwrap_or(DEFAULT_EXPOSURE),
+        exposure: fields.get("exposure", &Number::Exposure.words(), number),
         encoding: fields.get("encoding", ENCODING, encoding),
     }
 }

@@ -16,7 +16,7 @@ use super::read::{ORTHOGRAPHIC, PERSPECTIVE, Reading, SCHEMA};
 use super::word::Word;
 
 /// Keys that every new file has even at their defaults, so that its reader need not know these.
-const NEW_FILE: &str = "schema = 1\n\n[camera]\nprojection = \"orthographic\"\nencoding = \"linear\"\n";
+const NEW_FILE: &str = "schema = 1\n\n[camera]\nprojection = \"orthographic\"\n";
 
 /// Digits of a measured value: more than any measurement holds, few enough to read.
 const MEASURED_DIGITS: usize = 6;
@@ -170,9 +170,7 @@ fn write_camera(table: &mut Table, camera: &Camera) {
         }
     }
     let default = Camera::default();
-    if camera.encoding != default.encoding || table.contains_key("encoding") {
-        put(table, "encoding", encoding_value(camera.encoding));
-    }
+    put_or_remove(table, "encoding", camera.encoding.map(encoding_value));
     if camera.black_level != default.black_level || table.contains_key("black_level") {
         put(table, "black_level", level_value(camera.black_level));
     }
@@ -211,7 +209,7 @@ fn write_shot(table: &mut Table, shot: &Shot) {
     put_or_remove(table, "light", shot.light.as_deref());
     put_or_remove(table, "colour", shot.colour.as_deref());
     put(table, "files", list(shot.files.iter().map(String::as_str)));
-    put_unless_default(table, "exposure", shot.exposure, DEFAULT_EXPOSURE);
+    put_or_remove(table, "exposure", shot.exposure);
     put_or_remove(table, "encoding", shot.encoding.map(encoding_value));
 }
 

@@ -45,7 +45,7 @@ fn text(rig: Rig) -> String {
     set.shape.shadow_share = 0.1;
     set.shape.misfit_share = 0.2;
     (set.shape.rounds, set.shape.indirect_window_px) = (2, 7);
-    set.camera.encoding = Encoding::Gamma(1.0);
+    set.camera.encoding = Some(Encoding::Gamma(1.0));
     set.shots.iter_mut().for_each(|shot| shot.encoding = Some(Encoding::Gamma(1.0)));
     match rig {
         Rig::Typed => {

@@ -9,7 +9,7 @@ use crate::app::widgets::number_field::up_to;
 /// The user's answers in this session.
 #[derive(Default)]
 pub struct CameraPart {
-    /// Who said "linear" is not asked again.
+    /// Who answered is not asked again.
     answered: bool,
 }
 
@@ -33,7 +33,7 @@ impl CameraPart {
         }
         let coarse =
             warnings.iter().any(|warning| warning.contains("8 bits a pixel") || warning.contains("always sRGB"));
-        if !coarse || self.answered || document.set.camera.encoding != Encoding::Linear {
+        if !coarse || self.answered || document.set.camera.encoding.is_some() {
             return;
         }
         ui.group(|ui| {
@@ -43,10 +43,11 @@ impl CameraPart {
             );
             ui.horizontal_wrapped(|ui| {
                 if ui.button("They are sRGB").clicked() {
-                    session.edit("Files are sRGB", |document| document.set.camera.encoding = Encoding::Srgb);
+                    session.edit("Files are sRGB", |document| document.set.camera.encoding = Some(Encoding::Srgb));
                     self.answered = true;
                 }
                 if ui.button("They are linear").clicked() {
+                    session.edit("Files are linear", |document| document.set.camera.encoding = Some(Encoding::Linear));
                     self.answered = true;
                 }
             });
@@ -55,20 +56,7 @@ impl CameraPart {
 }
 
 fn camera(ui: &mut Ui, camera: &mut Camera) {
-    let words = |encoding: &Encoding| match encoding {
-        Encoding::Linear => "linear",
-        Encoding::Srgb => "sRGB",
-        Encoding::Gamma(_) => "gamma",
-    };
-    ComboBox::from_label("Encoding of the files").selected_text(words(&camera.encoding)).show_ui(ui, |ui| {
-        for choice in [Encoding::Linear, Encoding::Srgb, Encoding::Gamma(2.2)] {
-            ui.selectable_value(&mut camera.encoding, choice, words(&choice));
-        }
-    });
-    if let Encoding::Gamma(gamma) = &mut camera.encoding {
-        let label = ui.label("Gamma");
-        ui.add(up_to(gamma, 4, Number::Gamma.range()).speed(0.01)).labelled_by(label.id);
-    }
+    encoding_box(ui, "Encoding of the files", "as each file says, else linear", &mut camera.encoding);
     let label = ui.label("Black level, stored value");
     ui.add(up_to(&mut camera.black_level, 4, Number::BlackLevel.range()).speed(1.0)).labelled_by(label.id);
     optional(
@@ -89,8 +77,27 @@ fn camera(ui: &mut Ui, camera: &mut Camera) {
     }
 }
 
+/// An encoding, or what holds where none is given.
+pub(super) fn encoding_box(ui: &mut Ui, label: &str, absent: &str, encoding: &mut Option<Encoding>) {
+    let words = |encoding: &Option<Encoding>| match encoding {
+        None => absent.to_owned(),
+        Some(Encoding::Linear) => "linear".to_owned(),
+        Some(Encoding::Srgb) => "sRGB".to_owned(),
+        Some(Encoding::Gamma(_)) => "gamma".to_owned(),
+    };
+    ComboBox::from_label(label).selected_text(words(encoding)).show_ui(ui, |ui| {
+        for choice in [None, Some(Encoding::Linear), Some(Encoding::Srgb), Some(Encoding::Gamma(2.2))] {
+            ui.selectable_value(encoding, choice, words(&choice));
+        }
+    });
+    if let Some(Encoding::Gamma(gamma)) = encoding {
+        let label = ui.label("Gamma");
+        ui.add(up_to(gamma, 4, Number::Gamma.range()).speed(0.01)).labelled_by(label.id);
+    }
+}
+
 /// A number that may be absent, and what it is when it is first given.
-fn optional(ui: &mut Ui, label: &str, absent: &str, (what, value, first): (Number, &mut Option<f64>, f64)) {
+pub(super) fn optional(ui: &mut Ui, label: &str, absent: &str, (what, value, first): (Number, &mut Option<f64>, f64)) {
     let mut none = value.is_none();
     if ui.checkbox(&mut none, absent).changed() {
         *value = (!none).then_some(first);

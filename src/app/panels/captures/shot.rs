@@ -1,13 +1,13 @@
 //! The photo that is selected: its files, exposure and encoding, and what it is.
 
-use eframe::egui::{ComboBox, RichText, Role, Ui, WidgetInfo};
-use firstbounce_capture::set::{Encoding, Number, Shot};
+use eframe::egui::{RichText, Role, Ui, WidgetInfo};
+use firstbounce_capture::set::{Number, Shot};
 
+use super::camera::{encoding_box, optional};
 use super::incoming::{name_box, subject_box};
 use crate::app::state::layout::Shown;
 use crate::app::state::results::ShotName;
 use crate::app::state::session::Session;
-use crate::app::widgets::number_field::up_to;
 
 /// Everything about one shot that the user may change.
 pub fn ui(ui: &mut Ui, session: &mut Session, name: &ShotName, selected: &mut Option<ShotName>) {
@@ -23,13 +23,22 @@ pub fn ui(ui: &mut Ui, session: &mut Session, name: &ShotName, selected: &mut Op
     ui.group(|ui| {
         ui.label(RichText::new(&title).strong());
         place(ui, session, &mut new);
-        let label = ui.label("Exposure, relative");
-        ui.add(up_to(&mut new.exposure, 6, Number::Exposure.range()).speed(0.01)).labelled_by(label.id);
-        encoding(ui, &mut new.encoding);
+        optional(
+            ui,
+            "Exposure, relative",
+            "Exposure as the files say, else 1",
+            (Number::Exposure, &mut new.exposure, 1.0),
+        );
+        encoding_box(ui, "Encoding of these files", "as the camera's", &mut new.encoding);
         let mut gone = None;
+        let loaded = session.results.loaded();
+        let said = loaded.as_ref().and_then(|loaded| loaded.shot(name)).map_or(&[][..], |shot| &shot.files);
         for (place, file) in new.files.iter().enumerate() {
             ui.horizontal_wrapped(|ui| {
                 ui.label(file);
+                if let Some(said) = said.get(place).filter(|said| !said.is_empty()) {
+                    ui.label(RichText::new(said).small());
+                }
                 let button = ui.small_button("Remove");
                 button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Remove {file}")));
                 if button.clicked() {
@@ -80,23 +89,4 @@ fn place(ui: &mut Ui, session: &Session, shot: &mut Shot) {
     });
     shot.light = Some(light).filter(|name| !name.is_empty());
     shot.colour = Some(colour).filter(|name| !name.is_empty());
-}
-
-/// The encoding of these files, where it differs from the camera's.
-fn encoding(ui: &mut Ui, encoding: &mut Option<Encoding>) {
-    let words = |encoding: &Option<Encoding>| match encoding {
-        None => "as the camera's",
-        Some(Encoding::Linear) => "linear",
-        Some(Encoding::Srgb) => "sRGB",
-        Some(Encoding::Gamma(_)) => "gamma",
-    };
-    ComboBox::from_label("Encoding of these files").selected_text(words(encoding)).show_ui(ui, |ui| {
-        for choice in [None, Some(Encoding::Linear), Some(Encoding::Srgb), Some(Encoding::Gamma(2.2))] {
-            ui.selectable_value(encoding, choice, words(&choice));
-        }
-    });
-    if let Some(Encoding::Gamma(gamma)) = encoding {
-        let label = ui.label("Gamma");
-        ui.add(up_to(gamma, 4, Number::Gamma.range()).speed(0.01)).labelled_by(label.id);
-    }
 }

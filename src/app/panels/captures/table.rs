@@ -142,7 +142,8 @@ impl Table {
             session.views.show(Shown::Photo(name.clone()));
         }
         let exposed = seen.and_then(|(_, exposed, _)| *exposed);
-        numbers(ui, shot, exposed);
+        let exposure = loaded.as_ref().and_then(|loaded| Some(loaded.shot(name)?.exposure));
+        numbers(ui, shot, exposure, exposed);
         for line in wrong {
             ui.label(RichText::new(line).small().color(ui.visuals().error_fg_color));
         }
@@ -172,7 +173,7 @@ impl Table {
 }
 
 /// Clipped, dark, mean, exposure, repeats.
-fn numbers(ui: &mut Ui, shot: &Shot, exposed: Option<Exposed>) {
+fn numbers(ui: &mut Ui, shot: &Shot, exposure: Option<f64>, exposed: Option<Exposed>) {
     let small = |text: String| RichText::new(text).small();
     if let Some(Exposed { clipped, dark, mean, .. }) = exposed {
         let bad = |bad: bool| if bad { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
@@ -185,7 +186,8 @@ fn numbers(ui: &mut Ui, shot: &Shot, exposed: Option<Exposed>) {
         1 => "1 file".to_owned(),
         count => format!("{count} files"),
     };
-    ui.label(small(format!("exposure {}, {files}", shot.exposure)));
+    let exposure = exposure.or(shot.exposure).unwrap_or(1.0);
+    ui.label(small(format!("exposure {exposure}, {files}")));
 }
 
 /// The user stopped the look at the photos.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::SystemTime;
 
+use super::Exposures;
 use crate::image_file::LinearOptions;
 use crate::set::{CaptureSet, Shot, Subject};
 
@@ -77,20 +78,20 @@ fn both_are_kept<K: Key>(wanted: &Option<K>, kept: &Option<K>) -> bool {
 
 impl PhotoKey {
     /// Of a shot as it is now.
-    pub fn of(set: &CaptureSet, shot: &Shot) -> Self {
+    pub fn of(set: &CaptureSet, shot: &Shot, exposures: &Exposures) -> Self {
         let channel = set.channel_of(shot);
         let frame = |of: &Shot| FrameKey {
             files: of.files.iter().map(|file| Stamped::of(set.resolve(file))).collect(),
-            options: LinearOptions { channel, ..linear_options(set, of) },
+            options: LinearOptions { channel, ..linear_options(set, of, exposures) },
         };
-        let dark_of = |of: &Shot| best_dark(set, of).map(frame);
+        let dark_of = |of: &Shot| best_dark(set, of, exposures).map(frame);
         let flat = best_flat(set, shot).map(|flat| FlatKey { frame: frame(flat), dark: dark_of(flat) });
         Self { frame: frame(shot), dark: dark_of(shot), flat, subject: shot.subject }
     }
 }
 
 impl Stamped {
-    fn of(path: PathBuf) -> Self {
+    pub fn of(path: PathBuf) -> Self {
         let facts = path.metadata().ok();
         let stamp = facts.and_then(|facts| Some((facts.modified().ok()?, facts.len())));
         Self { path, stamp }
@@ -98,7 +99,7 @@ impl Stamped {
 }
 
 /// How the files of a shot become light.
-fn linear_options(set: &CaptureSet, shot: &Shot) -> LinearOptions {
+fn linear_options(set: &CaptureSet, shot: &Shot, exposures: &Exposures) -> LinearOptions {
     let camera = &set.camera;
     let noise_floor = match (camera.read_noise_electrons, camera.full_well_electrons) {
         (Some(read), Some(full)) => Some((read / full) as f32),
@@ -109,7 +110,7 @@ fn linear_options(set: &CaptureSet, shot: &Shot) -> LinearOptions {
         encoding: set.encoding_of(shot),
         black_level: camera.black_level as f32,
         white_level: camera.white_level.map(|level| level as f32),
-        exposure: shot.exposure as f32,
+        exposure: exposures.exposure(shot) as f32,
         noise_floor,
         ..LinearOptions::default()
     }
@@ -117,8 +118,8 @@ fn linear_options(set: &CaptureSet, shot: &Shot) -> LinearOptions {
 
 /// The dark frame of the exposure nearest to the shot's: what a sensor gathers without light grows with it. Dark frames
 /// are looked at as they are.
-fn best_dark<'a>(set: &'a CaptureSet, shot: &Shot) -> Option<&'a Shot> {
-    let distance = |dark: &&Shot| (dark.exposure / shot.exposure).ln().abs();
+fn best_dark<'a>(set: &'a CaptureSet, shot: &Shot, exposures: &Exposures) -> Option<&'a Shot> {
+    let distance = |dark: &&Shot| (exposures.exposure(dark) / exposures.exposure(shot)).ln().abs();
     let darks = set.shots_of(Subject::Dark).filter(|_| shot.subject != Subject::Dark);
     darks.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }

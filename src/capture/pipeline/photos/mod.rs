@@ -1,5 +1,6 @@
 //! Photos in linear light: a store that decodes each file once, and what the pipeline takes of it.
 
+mod exposure;
 mod key;
 mod object;
 mod store;
@@ -7,6 +8,7 @@ mod subject;
 #[cfg(test)]
 mod tests;
 
+pub use exposure::Exposures;
 pub use object::{ObjectPhotos, load_object};
 pub use store::{PhotoStore, ShotLight};
-pub use subject::{SubjectPhotos, file_warnings, load_subject};
+pub use subject::{SubjectPhotos, file_warnings, image_warnings, load_subject};

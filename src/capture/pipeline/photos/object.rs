@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::super::{PipelineError, PipelineWatch};
 use super::{PhotoStore, SubjectPhotos, load_subject};
 use crate::image_file::{LinearLight, read_mask};
-use crate::set::{CaptureSet, Shot, Subject};
+use crate::set::{CaptureSet, Subject};
 
 /// The object's photos and mask, and the noise of each photo.
 #[derive(Clone, Debug)]
@@ -71,22 +71,16 @@ impl ObjectPhotos {
             return Err(PipelineError::EmptyMask { path: set.mask.as_ref().map(|written| set.resolve(written)) });
         }
 
-        let noise = taken
-            .par_iter()
-            .zip(&set.lights)
-            .map(|(row, light)| {
-                let shot = |c: usize| set.shot(Subject::Object, Some(&light.name), Some(&set.colours[c].name));
-                row.iter().enumerate().filter_map(|(c, linear)| Some(noise_of(set, shot(c)?, linear, &mask))).collect()
-            })
-            .collect();
+        let noise =
+            taken.par_iter().map(|row| row.iter().map(|linear| noise_of(set, linear, &mask)).collect()).collect();
         let photos = taken.into_iter().map(|row| row.into_iter().map(|shot| shot.photo.clone()).collect()).collect();
         Ok(Self { photos, noise, mask, warnings })
     }
 }
 
 /// The noise of a shot: from the camera's numbers, else from its repeats, else from its grain.
-fn noise_of(set: &CaptureSet, shot: &Shot, linear: &LinearLight, mask: &Mask) -> NoiseModel {
-    let exposure = shot.exposure;
+fn noise_of(set: &CaptureSet, linear: &LinearLight, mask: &Mask) -> NoiseModel {
+    let exposure = f64::from(linear.exposure);
     if let (Some(full), Some(read)) = (set.camera.full_well_electrons, set.camera.read_noise_electrons) {
         return NoiseModel::of_camera(full, read, linear.repeats, exposure);
     }

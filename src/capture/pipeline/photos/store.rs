@@ -1,5 +1,7 @@
 //! The store of photos in linear light: by path and stamp, so that each file is decoded once while it stays as it is.
 
+use std::collections::HashMap;
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -7,10 +9,11 @@ use indexmap::IndexMap;
 use rayon::prelude::*;
 
 use super::super::{PipelineError, PipelineWatch, Stage};
+use super::Exposures;
 use super::key::{FlatKey, FrameKey, Key, PhotoKey, Stamped};
 use crate::image_file::{
-    Corrections, DarkFrame, FlatField, ImageError, ImageFile, LinearLight, dark_frame, flat_field, linearise,
-    read_image,
+    Corrections, DarkFrame, FlatField, ImageError, ImageFile, LinearLight, Metadata, dark_frame, flat_field, linearise,
+    picture_metadata, read_image,
 };
 use crate::set::{CaptureSet, Shot, Subject};
 
@@ -25,6 +28,8 @@ type Frame<T> = Result<Arc<T>, Arc<ImageError>>;
 pub struct PhotoStore {
     kept: Mutex<Kept>,
     decoded: AtomicUsize,
+    /// What files say of themselves; `None` for one that cannot be opened.
+    metadata: Mutex<HashMap<Stamped, Option<Metadata>>>,
 }
 
 #[derive(Debug, Default)]
@@ -61,7 +66,7 @@ impl PhotoStore {
         shots: &[&Shot],
         watch: &dyn PipelineWatch,
     ) -> Result<Vec<ShotLight>, PipelineError> {
-        let plan = Plan::of(set, shots, &locked(&self.kept));
+        let plan = self.plan(set, shots);
         let read: Vec<_> = shots.iter().map(|_| Mutex::new(None)).collect();
         self.carry_out(&plan, watch, &|index, light| *locked(&read[index]) = Some(light.clone()))?;
         let lights: Vec<ShotLight> =
@@ -87,8 +92,32 @@ impl PhotoStore {
         watch: &dyn PipelineWatch,
         on_shot: &OnShot,
     ) -> Result<(), PipelineError> {
-        let plan = Plan::of(set, shots, &locked(&self.kept));
+        let plan = self.plan(set, shots);
         self.carry_out(&plan, watch, on_shot)
+    }
+
+    /// What a file says of itself, read from its head once while it stays as it is.
+    pub fn metadata(&self, path: &Path) -> Option<Metadata> {
+        let file = Stamped::of(path.to_path_buf());
+        if let Some(known) = locked(&self.metadata).get(&file) {
+            return known.clone();
+        }
+        let metadata = picture_metadata(path).ok();
+        locked(&self.metadata).insert(file, metadata.clone());
+        metadata
+    }
+
+    /// The exposures of all shots of a set: those that the capture file states, and those that only its files state.
+    pub fn exposures(&self, set: &CaptureSet) -> Exposures {
+        let paths: Vec<_> = set.distinct_files().keys().map(|file| set.resolve(file)).collect();
+        // On all cores, before they are looked up one by one.
+        paths.par_iter().for_each(|path| drop(self.metadata(path)));
+        Exposures::of(set, |path| self.metadata(path))
+    }
+
+    fn plan(&self, set: &CaptureSet, shots: &[&Shot]) -> Plan {
+        let exposures = self.exposures(set);
+        Plan::of(set, shots, &exposures, &locked(&self.kept))
     }
 
     fn carry_out(&self, plan: &Plan, watch: &dyn PipelineWatch, on_shot: &OnShot) -> Result<(), PipelineError> {
@@ -122,7 +151,8 @@ impl PhotoStore {
 
     /// Lets go of what a set has no use for.
     pub fn keep_only(&self, set: &CaptureSet) {
-        let keys: Vec<_> = set.shots.iter().map(|shot| PhotoKey::of(set, shot)).collect();
+        let exposures = self.exposures(set);
+        let keys: Vec<_> = set.shots.iter().map(|shot| PhotoKey::of(set, shot, &exposures)).collect();
         let mut kept = locked(&self.kept);
         kept.photos.retain(|(key, _)| keys.contains(key));
         kept.flats.retain(|(flat, _)| keys.iter().any(|key| key.flat.as_ref() == Some(flat)));
@@ -216,11 +246,11 @@ struct Plan {
 }
 
 impl Plan {
-    fn of(set: &CaptureSet, shots: &[&Shot], kept: &Kept) -> Self {
+    fn of(set: &CaptureSet, shots: &[&Shot], exposures: &Exposures, kept: &Kept) -> Self {
         let (darks, flats, photos) = (Distinct(Vec::new()), Distinct(Vec::new()), Distinct(Vec::new()));
         let mut plan = Self { darks, flats, photos, of_shot: Vec::new(), rounds: Default::default() };
         for shot in shots {
-            let key = PhotoKey::of(set, shot);
+            let key = PhotoKey::of(set, shot, exposures);
             let (index, missing) = plan.photos.place(&key, &kept.photos);
             plan.of_shot.push(index);
             if missing {

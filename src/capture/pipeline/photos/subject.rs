@@ -6,7 +6,7 @@ use firstbounce_core::Photo;
 use indexmap::IndexMap;
 
 use super::super::{PipelineError, PipelineWatch};
-use super::{PhotoStore, ShotLight};
+use super::{PhotoStore, ShotLight, exposure};
 use crate::image_file::{ImageWarning, LinearLight};
 use crate::set::{CaptureSet, Shot, Subject};
 
@@ -81,20 +81,24 @@ pub fn load_subject(
     SubjectPhotos::of(set, subject, &shots.into_iter().zip(lights).collect::<Vec<_>>())
 }
 
-/// What the user should know of the files of some shots: a line for each kind of warning, with its first file and how many
-/// more there are.
-pub fn file_warnings<'a>(shots: impl Iterator<Item = (&'a Shot, &'a ShotLight)>) -> Vec<String> {
-    let mut kinds: IndexMap<_, Vec<&ImageWarning>> = IndexMap::new();
-    for (shot, light) in shots {
-        // Where the capture file gives a shot's encoding, none needs to be guessed.
-        let asks =
-            |warning: &&ImageWarning| !matches!(warning, ImageWarning::ProbablySrgb { .. } if shot.encoding.is_some());
-        for warning in light.iter().flat_map(|light| &light.warnings).filter(asks) {
-            let same = kinds.entry(std::mem::discriminant(warning)).or_default();
-            if !same.contains(&warning) {
-                same.push(warning);
-            }
+/// What the user should know of the files of some shots of one subject, each once.
+pub fn image_warnings<'a>(shots: impl Iterator<Item = (&'a Shot, &'a ShotLight)>) -> Vec<ImageWarning> {
+    let shots: Vec<_> = shots.collect();
+    let of_files = shots.iter().filter_map(|(_, light)| light.as_ref().ok()).flat_map(|light| light.warnings.clone());
+    let mut each_once = Vec::new();
+    for warning in of_files.chain(exposure::warnings(&shots)) {
+        if !each_once.contains(&warning) {
+            each_once.push(warning);
         }
+    }
+    each_once
+}
+
+/// The same in words: a line for each kind of warning, with its first file and how many more there are.
+pub fn file_warnings<'a>(shots: impl Iterator<Item = (&'a Shot, &'a ShotLight)>) -> Vec<String> {
+    let mut kinds: IndexMap<_, Vec<ImageWarning>> = IndexMap::new();
+    for warning in image_warnings(shots) {
+        kinds.entry(std::mem::discriminant(&warning)).or_default().push(warning);
     }
     let words = kinds.values().map(|same| match same.as_slice() {
         [only] => only.to_string(),

@@ -1,8 +1,12 @@
 use std::fs;
+use std::io::Cursor;
 use std::path::Path;
 
 use firstbounce_core::Plane;
 use tempfile::{TempDir, tempdir};
+use tiff::encoder::colortype::Gray16;
+use tiff::encoder::{Rational, TiffEncoder};
+use tiff::tags::Tag;
 
 use super::*;
 use crate::image_file::grey16_png;
@@ -118,4 +122,64 @@ fn the_store_keeps_no_more_than_a_set_needs() {
     set.shots.push(removed);
     read(&store, &set);
     assert_eq!(store.decoded_files(), 8, "what went is read again");
+}
+
+/// A TIFF of even light with an exposure time and a sensitivity.
+fn timed(light: f32, exposure: (u32, u32), iso: u16) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut bytes).unwrap();
+    let mut picture = encoder.new_image::<Gray16>(4, 3).unwrap();
+    picture.encoder().write_tag(Tag::Unknown(0x829a), Rational { n: exposure.0, d: exposure.1 }).unwrap();
+    picture.encoder().write_tag(Tag::Unknown(0x8827), iso).unwrap();
+    picture.write_data(&[(light * 65535.0).round() as u16; 12]).unwrap();
+    bytes.into_inner()
+}
+
+/// The set with TIFFs, of which the last was exposed for half the time.
+fn set_of_automatic_exposure(iso: [u16; 3]) -> (TempDir, CaptureSet) {
+    let (folder, mut set) = set();
+    let names = ["left.tif", "top.tif", "right.tif"];
+    for ((name, iso), denominator) in names.into_iter().zip(iso).zip([50, 50, 100]) {
+        fs::write(folder.path().join(name), timed(0.25, (1, denominator), iso)).unwrap();
+    }
+    set.shots.truncate(3);
+    set.shots.iter_mut().zip(names).for_each(|(shot, name)| shot.files = vec![name.into()]);
+    (folder, set)
+}
+
+fn mean_lights(set: &CaptureSet) -> Vec<f32> {
+    let lights = read(&PhotoStore::default(), set);
+    lights.iter().map(|light| light.as_ref().unwrap().photo.linear.data()[0]).collect()
+}
+
+#[test]
+fn exposures_that_only_exif_states_are_filled_in_and_reported() {
+    let (_folder, set) = set_of_automatic_exposure([100; 3]);
+    let lights = mean_lights(&set);
+    assert!(
+        lights.iter().zip([0.25, 0.25, 0.5]).all(|(light, expected)| (light - expected).abs() < 1e-4),
+        "{lights:?}"
+    );
+    let warnings = load_subject(&set, Subject::Object, &PhotoStore::default(), &Unattended).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("right.tif: exposure 0.5000"), "{warnings:?}");
+}
+
+#[test]
+fn a_stated_exposure_wins_and_gives_the_scale_of_those_that_exif_states() {
+    let (_folder, mut set) = set_of_automatic_exposure([100; 3]);
+    set.shots[0].exposure = Some(4.0);
+    let exposures = PhotoStore::default().exposures(&set);
+    let of: Vec<f64> = set.shots.iter().map(|shot| exposures.exposure(shot)).collect();
+    assert_eq!(of, [4.0, 4.0, 2.0]);
+    set.shots.iter_mut().for_each(|shot| shot.exposure = Some(1.0));
+    let lights = mean_lights(&set);
+    assert!(lights.iter().all(|light| (light - 0.25).abs() < 1e-4), "{lights:?}");
+}
+
+#[test]
+fn mixed_sensitivity_is_divided_by_and_named() {
+    let (_folder, set) = set_of_automatic_exposure([100, 100, 200]);
+    assert_eq!(PhotoStore::default().exposures(&set), Exposures::default(), "half the time at twice the sensitivity");
+    let warnings = load_subject(&set, Subject::Object, &PhotoStore::default(), &Unattended).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("right.tif: taken at ISO 200"), "{warnings:?}");
 }

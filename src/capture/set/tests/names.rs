@@ -21,9 +21,9 @@ fn shots_are_found_by_subject_light_and_colour() {
     let set = parse(FULL);
     let shot = set.shot(Subject::Object, Some("top right"), Some("green")).unwrap();
     assert_eq!(shot.files, ["../top.png"]);
-    assert_eq!((set.encoding_of(shot), set.channel_of(shot)), (Encoding::Srgb, Channel::G));
+    assert_eq!((set.encoding_of(shot), set.channel_of(shot)), (Some(Encoding::Srgb), Channel::G));
     let mirror = set.shot(Subject::MirrorSphere, Some("left"), None).unwrap();
-    assert_eq!((set.encoding_of(mirror), set.channel_of(mirror)), (Encoding::Gamma(2.2), Channel::Grey));
+    assert_eq!((set.encoding_of(mirror), set.channel_of(mirror)), (Some(Encoding::Gamma(2.2)), Channel::Grey));
     assert!(set.shot(Subject::MaterialSphere, Some("left"), Some("blue")).is_none());
     use Subject::{Dark, FlatField, GreySphere, MirrorSphere, Object};
     assert_eq!(set.subjects(), [Object, GreySphere, MirrorSphere, Dark, FlatField]);

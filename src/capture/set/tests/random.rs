@@ -46,21 +46,21 @@ fn camera() -> impl Strategy<Value = Camera> {
     );
     let projection = prop_oneof![orthographic, perspective];
     let levels = (number(), option::of(number()), option::of(number()), option::of(number()));
-    (projection, encoding(), levels).prop_map(|(projection, encoding, (black_level, white_level, well, noise))| {
-        Camera {
+    (projection, option::of(encoding()), levels).prop_map(
+        |(projection, encoding, (black_level, white_level, well, noise))| Camera {
             projection,
             encoding,
             black_level,
             white_level,
             full_well_electrons: well,
             read_noise_electrons: noise,
-        }
-    })
+        },
+    )
 }
 
 fn shot() -> impl Strategy<Value = Shot> {
     let names = (option::of(text()), option::of(text()));
-    (word::<Subject>(), names, vec(text(), 0..3), number(), option::of(encoding())).prop_map(
+    (word::<Subject>(), names, vec(text(), 0..3), option::of(number()), option::of(encoding())).prop_map(
         |(subject, (light, colour), files, exposure, encoding)| Shot {
             subject,
             light,

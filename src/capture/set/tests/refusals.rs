@@ -324,7 +324,7 @@ fn one_slip_is_one_problem() {
 fn a_set_in_memory_is_checked_without_lines() {
     let mut set = parse(FULL);
     assert!(set.check().is_empty());
-    set.shots[1].exposure = -1.0;
+    set.shots[1].exposure = Some(-1.0);
     let problems = set.check();
     assert_eq!(problems.len(), 1);
     assert_eq!(

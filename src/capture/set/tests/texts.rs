@@ -121,7 +121,7 @@ fn saved(change: impl FnOnce(&mut CaptureSet)) -> String {
 
 #[test]
 fn a_save_changes_only_the_lines_of_what_was_edited() {
-    let text = saved(|set| set.shots[0].exposure = 0.25);
+    let text = saved(|set| set.shots[0].exposure = Some(0.25));
     assert_eq!(text, FULL.replace("exposure = 0.5", "exposure = 0.25"));
     let text = saved(|set| set.camera.black_level = 500.0);
     assert_eq!(text, FULL.replace("black_level = 512", "black_level = 500"));
@@ -192,7 +192,7 @@ fn saving_replaces_the_file_in_the_folder() {
     set.save().unwrap();
     assert_eq!(CaptureSet::open(folder.path()).unwrap(), set);
     std::fs::write(set.file_path(), FULL).unwrap();
-    set.shots[0].exposure = 0.125;
+    set.shots[0].exposure = Some(0.125);
     set.save().unwrap();
     assert_eq!(std::fs::read_to_string(set.file_path()).unwrap(), FULL.replace("exposure = 0.5", "exposure = 0.125"));
 }

@@ -89,7 +89,7 @@ pub fn one_of_each_codec() -> Vec<(String, Vec<u8>)> {
 }
 
 /// A PNG chunk.
-fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
+pub fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let named = [kind, data].concat();
     let check = !named.iter().fold(u32::MAX, |check, &byte| {
         (0..8).fold(check ^ u32::from(byte), |check, _| (check >> 1) ^ (0xedb8_8320 & (check & 1).wrapping_neg()))

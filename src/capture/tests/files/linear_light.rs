@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use firstbounce_capture::image_file::{
-    Corrections, Format, ImageError, ImageFile, LinearOptions, StoredRange, dark_frame, flat_field, linearise,
-    linearise_files,
+    Corrections, Format, ImageError, ImageFile, LinearOptions, Metadata, StoredRange, dark_frame, flat_field,
+    linearise, linearise_files,
 };
 use firstbounce_capture::set::{Channel, Encoding};
 use firstbounce_core::Plane;
@@ -28,6 +28,7 @@ fn rgb(stored: &[&[f32]], maximum: Option<f32>) -> ImageFile {
         format: Format::Png,
         channels: names.iter().zip(stored).map(|(&name, values)| (name, plane(values))).collect(),
         stored: StoredRange { maximum },
+        metadata: Metadata::default(),
         warnings: vec![],
     }
 }
@@ -70,7 +71,7 @@ proptest! {
     ) {
         let (dark, bright) = (encoding.decode(black / 255.0), encoding.decode(white / 255.0));
         let stored = 255.0 * encoding.encode(dark + light * (bright - dark));
-        let options = LinearOptions { encoding, black_level: black, white_level: Some(white), exposure, ..LinearOptions::default() };
+        let options = LinearOptions { encoding: Some(encoding), black_level: black, white_level: Some(white), exposure, ..LinearOptions::default() };
         let photo = linearise(files(&[grey(&[stored], Some(255.0))]), &options, &Corrections::default()).unwrap().photo;
         prop_assert!((photo.linear.at(0, 0) - light / exposure).abs() < 1e-4 * (light + 1.0) / exposure);
         prop_assert_eq!(photo.marks.data()[0], 0);
@@ -79,14 +80,15 @@ proptest! {
 
 #[test]
 fn ten_bits_of_srgb_in_a_sixteen_bit_file_decode_by_their_own_scale() {
-    let options = LinearOptions { encoding: Encoding::Srgb, white_level: Some(1023.0), ..LinearOptions::default() };
+    let options =
+        LinearOptions { encoding: Some(Encoding::Srgb), white_level: Some(1023.0), ..LinearOptions::default() };
     let photo = linearise(files(&[grey(&[511.5], Some(65535.0))]), &options, &Corrections::default()).unwrap().photo;
     assert_light(photo.linear.data(), &[0.214_041]);
 }
 
 #[test]
 fn repeats_are_averaged_in_linear_light_and_clip_if_one_does() {
-    let options = LinearOptions { encoding: Encoding::Gamma(2.0), ..LinearOptions::default() };
+    let options = LinearOptions { encoding: Some(Encoding::Gamma(2.0)), ..LinearOptions::default() };
     let shots = [grey(&[51.0, 255.0], Some(255.0)), grey(&[153.0, 0.0], Some(255.0))];
     let light = linearise(files(&shots), &options, &Corrections::default()).unwrap();
     assert_light(light.photo.linear.data(), &[(0.04 + 0.36) / 2.0, 0.5]);
@@ -191,7 +193,7 @@ fn options_and_sizes_are_checked() {
     assert!(default.check().is_ok());
     assert!(bad(LinearOptions { exposure: 0.0, ..default }));
     assert!(bad(LinearOptions { white_level: Some(5.0), black_level: 5.0, ..default }));
-    assert!(bad(LinearOptions { encoding: Encoding::Gamma(f64::NAN), ..default }));
+    assert!(bad(LinearOptions { encoding: Some(Encoding::Gamma(f64::NAN)), ..default }));
     assert!(bad(LinearOptions { dark_below: 1.0, ..default }));
     let sizes = [grey(&[1.0, 2.0], None), grey(&[1.0], None)];
     let error = linearise(files(&sizes), &default, &Corrections::default()).unwrap_err();

@@ -12,3 +12,4 @@ mod mesh_variants;
 mod pictures;
 mod rig_and_captures;
 mod shared_pictures;
+mod stated_by_files;

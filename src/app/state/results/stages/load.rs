@@ -40,6 +40,10 @@ pub struct LoadedShot {
     pub name: ShotName,
     /// In linear light, or why not.
     pub photo: Result<Arc<Photo>, StageError>,
+    /// What its light was divided by.
+    pub exposure: f64,
+    /// What its files say of themselves, in words.
+    pub files: Vec<String>,
     /// Where most of its values lie.
     pub range: [f32; 2],
 }
@@ -153,7 +157,10 @@ fn loaded_shot(shot: &Shot, light: &ShotLight) -> LoadedShot {
     let photo = light.as_ref().map(|light| light.photo.clone());
     let photo = photo.map_err(|error| PipelineError::Photo(error.clone()).into());
     let range = photo.as_ref().map_or([0.0, 1.0], |photo| [0.0, white_of(shot.subject, &photo.linear)]);
-    LoadedShot { name: ShotName::of(shot), photo, range }
+    let light = light.as_ref().ok();
+    let exposure = light.map_or(1.0, |light| f64::from(light.exposure));
+    let files = light.map(|light| light.files.iter().map(|(_, metadata)| metadata.to_string()).collect());
+    LoadedShot { name: ShotName::of(shot), photo, exposure, files: files.unwrap_or_default(), range }
 }
 
 /// What is shown as white. On a mirror ball the brightest spot matters, elsewhere all but it.

@@ -1,0 +1,139 @@
+//! Reasons to take care with a file's values, each with its remedy.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use super::{Encoding, Format};
+
+/// A reason to take care with a file's values.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ImageWarning {
+    /// Only 256 levels.
+    EightBit {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The format nearly always holds sRGB.
+    ProbablySrgb {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The name says another format than the content; the content was believed.
+    WrongExtension {
+        /// The file.
+        path: PathBuf,
+        /// What the content is.
+        format: Format,
+    },
+    /// The file states a curve, which was undone.
+    CurveUndone {
+        /// The file.
+        path: PathBuf,
+        /// The curve.
+        curve: Encoding,
+    },
+    /// The file states a curve that cannot be undone, and nothing else says how its values are stored.
+    CurveUnknown {
+        /// The file.
+        path: PathBuf,
+        /// What the file calls it.
+        curve: String,
+    },
+    /// The file states another curve than the capture file, which is believed.
+    CurveContradicted {
+        /// The file.
+        path: PathBuf,
+        /// What the file states.
+        curve: Encoding,
+        /// What the capture file states.
+        believed: Encoding,
+    },
+    /// The exposure was taken from the file.
+    ExposureFilledIn {
+        /// The file.
+        path: PathBuf,
+        /// Relative to the exposure that most photos of the set have.
+        exposure: f64,
+    },
+    /// Another sensitivity than that of most photos of the same subject.
+    OtherSensitivity {
+        /// The file.
+        path: PathBuf,
+        /// Its ISO value.
+        iso: f64,
+        /// That of most others.
+        usual_iso: f64,
+    },
+    /// Another aperture than that of most photos of the same subject.
+    OtherAperture {
+        /// The file.
+        path: PathBuf,
+        /// Its f-number.
+        f_number: f64,
+        /// That of most others.
+        usual_f_number: f64,
+    },
+}
+
+impl ImageWarning {
+    /// The file.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::EightBit { path }
+            | Self::ProbablySrgb { path }
+            | Self::WrongExtension { path, .. }
+            | Self::CurveUndone { path, .. }
+            | Self::CurveUnknown { path, .. }
+            | Self::CurveContradicted { path, .. }
+            | Self::ExposureFilledIn { path, .. }
+            | Self::OtherSensitivity { path, .. }
+            | Self::OtherAperture { path, .. } => path,
+        }
+    }
+}
+
+impl fmt::Display for ImageWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.path().display())?;
+        match self {
+            Self::EightBit { .. } => {
+                write!(f, "8 bits a pixel, too coarse for dim bounces; shoot raw and export 16 bits")
+            }
+            Self::ProbablySrgb { .. } => {
+                write!(f, "a JPEG is nearly always sRGB; set encoding = \"srgb\", or \"linear\" if you know that it is")
+            }
+            Self::WrongExtension { format, .. } => {
+                write!(f, "the content is {format} in spite of the name; rename it to .{}", format.extensions()[0])
+            }
+            Self::CurveUndone { curve, .. } => write!(
+                f,
+                "the file says that its values follow {curve}, which was undone; export linear values, or set encoding \
+                 under [camera] if the file is wrong"
+            ),
+            Self::CurveUnknown { curve, .. } => write!(
+                f,
+                "the file has {curve}, which cannot be undone, and its values are taken for linear; export them linear, \
+                 or set encoding under [camera]"
+            ),
+            Self::CurveContradicted { curve, believed, .. } => write!(
+                f,
+                "the file says that its values follow {curve}, but capture.toml says {believed}, which is believed; \
+                 remove encoding from capture.toml if the file is right, or export it without its colour profile"
+            ),
+            Self::ExposureFilledIn { exposure, .. } => write!(
+                f,
+                "exposure {exposure:.4} of the usual one by EXIF, by which its light is divided; switch automatic \
+                 exposure off, or set exposure of its [[shot]] if the file is wrong"
+            ),
+            Self::OtherSensitivity { iso, usual_iso, .. } => write!(
+                f,
+                "taken at ISO {iso}, others at ISO {usual_iso}; noise and levels differ: take all at one sensitivity"
+            ),
+            Self::OtherAperture { f_number, usual_f_number, .. } => write!(
+                f,
+                "taken at f/{f_number}, others at f/{usual_f_number}; sharpness and vignetting differ: take all at one \
+                 aperture"
+            ),
+        }
+    }
+}
