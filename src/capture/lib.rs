@@ -31,6 +31,7 @@ pub mod open;
 pub mod pipeline;
 pub mod report;
 pub mod set;
+pub mod watch_folder;
 
 pub use atomic::{OutputFolder, WriteError};
 pub use set::CaptureSet;

@@ -19,6 +19,7 @@ mod simulate;
 mod solve;
 mod table;
 mod unit;
+mod watch;
 mod window;
 
 use std::path::PathBuf;
@@ -50,6 +51,8 @@ pub enum Command {
     Info(info::InfoArgs),
     /// Photograph a scene whose truth is known, and write the capture set
     Simulate(Box<simulate::SimulateArgs>),
+    /// Check the photos of a set as they arrive, and solve it each time a light is complete
+    Watch(watch::WatchArgs),
     /// Predict the errors of a rig against frames and albedos
     Plan(Box<plan::PlanArgs>),
     /// Reproduce the paper's synthetic experiments
@@ -93,6 +96,7 @@ pub fn run(command: Option<Command>) -> anyhow::Result<()> {
         Command::Compare(args) => compare::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Watch(args) => watch::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Paper(args) => paper::run(&args),
         Command::Demo(args) => demo::run(&args),

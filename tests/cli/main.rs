@@ -28,3 +28,4 @@ mod shared_sets;
 mod signals;
 mod solve;
 mod tiny_set;
+mod watch;

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use firstbounce_core::image::bracket::BracketError;
+
 use super::{Channel, Format};
 
 /// Why a picture could not be read, linearised or written. Every message is one line that names the file.
@@ -14,6 +16,14 @@ pub enum ImageError {
         path: PathBuf,
         /// What the system said.
         reason: String,
+    },
+    /// The exposures of a bracket do not fit together.
+    #[error("{}: the exposures of its shot cannot be combined: {reason}", path.display())]
+    Bracket {
+        /// The first file of the bracket.
+        path: PathBuf,
+        /// Why.
+        reason: BracketError,
     },
     /// Zero bytes.
     #[error("{}: the file is empty; copy or export it again", path.display())]

@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use firstbounce_core::image::noise::NoiseModel;
 use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::{Photo, Plane};
 use rayon::prelude::*;
@@ -87,6 +88,8 @@ pub struct LinearLight {
     pub repeats: usize,
     /// The noise by signal, from the differences between the repeats; `None` for one file.
     pub noise: Option<RepeatNoise>,
+    /// The noise of a bracket, whose exposures were combined by noise weight; `None` for one exposure.
+    pub bracket_noise: Option<NoiseModel>,
     /// Below this fraction of the range from black to white pixels were marked dark.
     pub dark_below: f32,
     /// What the light was divided by.
@@ -158,6 +161,7 @@ pub fn linearise<I: Borrow<ImageFile>>(
         photo,
         repeats: average.repeats,
         noise,
+        bracket_noise: None,
         dark_below,
         exposure: options.exposure,
         files: average.files,

@@ -55,6 +55,15 @@ pub enum ImageWarning {
         /// Relative to the exposure that most photos of the set have.
         exposure: f64,
     },
+    /// The exposures of a bracket and its values disagree.
+    ExposureContradicted {
+        /// The longer exposure's file.
+        path: PathBuf,
+        /// Its exposure over that of the next shorter one, as stated.
+        stated: f64,
+        /// The same by their values.
+        measured: f64,
+    },
     /// Another sensitivity than that of most photos of the same subject.
     OtherSensitivity {
         /// The file.
@@ -86,6 +95,7 @@ impl ImageWarning {
             | Self::CurveUnknown { path, .. }
             | Self::CurveContradicted { path, .. }
             | Self::ExposureFilledIn { path, .. }
+            | Self::ExposureContradicted { path, .. }
             | Self::OtherSensitivity { path, .. }
             | Self::OtherAperture { path, .. } => path,
         }
@@ -124,6 +134,11 @@ impl fmt::Display for ImageWarning {
                 f,
                 "exposure {exposure:.4} of the usual one by EXIF, by which its light is divided; switch automatic \
                  exposure off, or set exposure of its [[shot]] if the file is wrong"
+            ),
+            Self::ExposureContradicted { stated, measured, .. } => write!(
+                f,
+                "stated to be exposed {stated:.3} times as long as the next shorter exposure of its bracket, but its values say \
+                 {measured:.3}; correct exposures of its [[shot]], and black_level if that does not help"
             ),
             Self::OtherSensitivity { iso, usual_iso, .. } => write!(
                 f,

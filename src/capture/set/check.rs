@@ -181,7 +181,22 @@ impl Found {
             self.add(location, "files", "expected file paths, found \"\"");
         }
         self.maybe_number(location, "exposure", Number::Exposure, shot.exposure);
+        self.exposures(location, shot);
         self.encoding(location, shot.encoding);
+    }
+
+    fn exposures(&mut self, location: Location, shot: &Shot) {
+        let (found, files) = (shot.exposures.len(), shot.files.len());
+        if found > 0 && found != files {
+            let words = format!("expected one exposure for each of the {files} files, found {found}");
+            self.add(location, "exposures", words);
+        }
+        if found > 0 && shot.exposure.is_some() {
+            self.add(location, "exposures", "a shot has one exposure or exposures by file: leave one of the two out");
+        }
+        for exposure in &shot.exposures {
+            self.number(location, "exposures", Number::Exposure, *exposure);
+        }
     }
 
     fn naming(&mut self, at: Location, subject: Subject, (key, naming): (&str, Naming), value: Option<&str>) {

@@ -118,6 +118,9 @@ pub struct Shot {
     pub files: Vec<String>,
     /// Relative; linear values are divided by it. `None`: by the exposures that the files state, and 1 where they state none.
     pub exposure: Option<f64>,
+    /// By file, where they are a bracket: several exposures of one photo, combined by noise weight. Empty for repeats. Optional in the
+    /// file.
+    pub exposures: Vec<f64>,
     /// Where these files differ from the camera's encoding.
     pub encoding: Option<Encoding>,
 }

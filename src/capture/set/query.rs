@@ -72,6 +72,22 @@ impl CaptureSet {
         set
     }
 
+    /// The set as far as its photos are on the disk: without shots whose files are missing, and without lights under which the object is
+    /// not there in every colour. The missing files, as written, come beside.
+    pub fn present(&self) -> (Self, Vec<String>) {
+        let is_there = |file: &String| self.resolve(file).is_file();
+        let missing = self.distinct_files().into_keys().map(str::to_owned).filter(|file| !is_there(file)).collect();
+        let mut set = self.clone();
+        set.shots.retain(|shot| shot.files.iter().all(is_there));
+        let is_complete = |light: &str| {
+            let has = |colour: &Colour| set.shot(Subject::Object, Some(light), Some(&colour.name)).is_some();
+            self.colours.iter().all(has)
+        };
+        let lights = self.lights.iter().map(|light| light.name.clone());
+        let incomplete: Vec<String> = lights.filter(|light| !is_complete(light)).collect();
+        (set.without_lights(&incomplete), missing)
+    }
+
     /// The set with its reference colour alone.
     pub fn in_one_colour(&self) -> Self {
         let reference = self.colours.first().map(|colour| colour.name.clone());

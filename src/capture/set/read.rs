@@ -265,6 +265,7 @@ fn read_shot(fields: &mut Fields<'_, '_>) -> Shot {
         colour: fields.get("colour", "a colour's name", text),
         files: fields.require("files", "a list of file paths", texts).unwrap_or_default(),
         exposure: fields.get("exposure", &Number::Exposure.words(), number),
+        exposures: fields.get("exposures", "a list of numbers, one per file", numbers).unwrap_or_default(),
         encoding: fields.get("encoding", ENCODING, encoding),
     }
 }

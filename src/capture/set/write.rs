@@ -210,6 +210,8 @@ fn write_shot(table: &mut Table, shot: &Shot) {
     put_or_remove(table, "colour", shot.colour.as_deref());
     put(table, "files", list(shot.files.iter().map(String::as_str)));
     put_or_remove(table, "exposure", shot.exposure);
+    let exposures = (!shot.exposures.is_empty()).then(|| list(shot.exposures.iter().copied()));
+    put_or_remove(table, "exposures", exposures);
     put_or_remove(table, "encoding", shot.encoding.map(encoding_value));
 }
 

@@ -1,5 +1,6 @@
 //! Pictures as numbers: planes, masks, photos in linear light, normal maps, and what is measured on them.
 
+pub mod bracket;
 pub mod colour;
 pub mod evaluate;
 pub mod gaussian;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::image_file::{ImageWarning, Metadata};
-use crate::set::{CaptureSet, Shot};
+use crate::set::{CaptureSet, Shot, Subject};
 
 use super::ShotLight;
 
@@ -22,6 +22,8 @@ const UNSTATED: f64 = 1.0;
 pub struct Exposures {
     /// By the files of a shot, where they state one.
     of_files: HashMap<Vec<String>, f64>,
+    /// By the files of a shot that were exposed differently, by file.
+    of_brackets: HashMap<Vec<String>, Vec<f64>>,
 }
 
 impl Exposures {
@@ -38,25 +40,44 @@ impl Exposures {
             let f_number = metadata.f_number.filter(|_| has_f_number).unwrap_or(1.0);
             Some(metadata.exposure_s? * iso / f_number.powi(2))
         };
-        // Of repeats that were exposed differently no single exposure is true.
         let of_shot = |shot: &Shot| {
-            let lights: Vec<f64> = shot.files.iter().map(light).collect::<Option<_>>()?;
-            lights.first().copied().filter(|first| lights.iter().all(|light| is_same(*light, *first)))
+            let lights = shot.files.iter().map(light).collect::<Option<Vec<f64>>>();
+            lights.filter(|lights| !lights.is_empty())
         };
-        let known: Vec<(&Shot, f64)> = set.shots.iter().filter_map(|shot| Some((shot, of_shot(shot)?))).collect();
-        let lights: Vec<f64> = known.iter().map(|(_, light)| *light).collect();
+        let is_one = |lights: &[f64]| lights.iter().all(|light| is_same(*light, lights[0]));
+        let all: Vec<(&Shot, Vec<f64>)> = set.shots.iter().filter_map(|shot| Some((shot, of_shot(shot)?))).collect();
+        let known: Vec<(&Shot, f64)> =
+            all.iter().filter(|(_, lights)| is_one(lights)).map(|(shot, lights)| (*shot, lights[0])).collect();
+        let lights: Vec<f64> = all.iter().flat_map(|(_, lights)| lights.iter().copied()).collect();
         let Some(usual) = most_frequent(&lights) else { return Self::default() };
         if lights.iter().all(|light| is_same(*light, usual)) {
             return Self::default();
         }
         let of_stated = known.iter().find_map(|(shot, light)| Some(light / shot.exposure?));
         let unit = of_stated.unwrap_or(usual);
-        Self { of_files: known.iter().map(|(shot, light)| (shot.files.clone(), rounded(light / unit))).collect() }
+        let relative = |lights: &[f64]| lights.iter().map(|light| rounded(light / unit)).collect();
+        let brackets = all.iter().filter(|(_, lights)| !is_one(lights));
+        Self {
+            of_files: known.iter().map(|(shot, light)| (shot.files.clone(), rounded(light / unit))).collect(),
+            of_brackets: brackets.map(|(shot, lights)| (shot.files.clone(), relative(lights))).collect(),
+        }
     }
 
     /// The exposure of a shot.
     pub fn exposure(&self, shot: &Shot) -> f64 {
         shot.exposure.or(self.filled_in(shot)).unwrap_or(UNSTATED)
+    }
+
+    /// Where the files of a shot are a bracket, their exposures: stated, or else by what they say of themselves.
+    pub(super) fn bracket<'a>(&'a self, shot: &'a Shot) -> Option<&'a [f64]> {
+        // Dark frames and flat fields are averaged.
+        if matches!(shot.subject, Subject::Dark | Subject::FlatField) {
+            return None;
+        }
+        let stated =
+            Some(&*shot.exposures).filter(|exposures| exposures.len() == shot.files.len() && exposures.len() > 1);
+        let of_files = || self.of_brackets.get(&shot.files).filter(|_| shot.exposure.is_none()).map(Vec::as_slice);
+        stated.or_else(of_files)
     }
 
     /// What was filled in for a shot of which the capture file states none.

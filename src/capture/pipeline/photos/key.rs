@@ -36,6 +36,8 @@ pub(super) struct PhotoKey {
     pub dark: Option<FrameKey>,
     pub flat: Option<FlatKey>,
     pub subject: Subject,
+    /// By file, the exposures of a bracket.
+    bracket: Option<Vec<f64>>,
 }
 
 /// A key by which something is kept.
@@ -63,6 +65,7 @@ impl Key for FlatKey {
 impl Key for PhotoKey {
     fn is_kept_as(&self, kept: &Self) -> bool {
         self.subject == kept.subject
+            && self.bracket == kept.bracket
             && self.frame.is_kept_as(&kept.frame)
             && both_are_kept(&self.dark, &kept.dark)
             && both_are_kept(&self.flat, &kept.flat)
@@ -86,7 +89,8 @@ impl PhotoKey {
         };
         let dark_of = |of: &Shot| best_dark(set, of, exposures).map(frame);
         let flat = best_flat(set, shot).map(|flat| FlatKey { frame: frame(flat), dark: dark_of(flat) });
-        Self { frame: frame(shot), dark: dark_of(shot), flat, subject: shot.subject }
+        let bracket = exposures.bracket(shot).map(<[f64]>::to_vec);
+        Self { frame: frame(shot), dark: dark_of(shot), flat, subject: shot.subject, bracket }
     }
 }
 

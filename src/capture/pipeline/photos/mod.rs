@@ -1,5 +1,6 @@
 //! Photos in linear light: a store that decodes each file once, and what the pipeline takes of it.
 
+mod bracket;
 mod exposure;
 mod key;
 mod object;

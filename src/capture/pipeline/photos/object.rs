@@ -78,8 +78,11 @@ impl ObjectPhotos {
     }
 }
 
-/// The noise of a shot: from the camera's numbers, else from its repeats, else from its grain.
-fn noise_of(set: &CaptureSet, linear: &LinearLight, mask: &Mask) -> NoiseModel {
+/// The noise of a shot: of a bracket that of its exposures together; else from the camera's numbers, else from its repeats, else from its grain.
+pub(super) fn noise_of(set: &CaptureSet, linear: &LinearLight, mask: &Mask) -> NoiseModel {
+    if let Some(noise) = linear.bracket_noise {
+        return noise;
+    }
     let exposure = f64::from(linear.exposure);
     if let (Some(full), Some(read)) = (set.camera.full_well_electrons, set.camera.read_noise_electrons) {
         return NoiseModel::of_camera(full, read, linear.repeats, exposure);

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::super::{PipelineError, PipelineWatch, Stage};
 use super::Exposures;
+use super::bracket::{Gathered, parts_of};
 use super::key::{FlatKey, FrameKey, Key, PhotoKey, Stamped};
 use crate::image_file::{
     Corrections, DarkFrame, FlatField, ImageError, ImageFile, LinearLight, Metadata, dark_frame, flat_field, linearise,
@@ -66,13 +67,13 @@ impl PhotoStore {
         shots: &[&Shot],
         watch: &dyn PipelineWatch,
     ) -> Result<Vec<ShotLight>, PipelineError> {
-        let plan = self.plan(set, shots);
+        let keys = self.keys(set, shots);
         let read: Vec<_> = shots.iter().map(|_| Mutex::new(None)).collect();
-        self.carry_out(&plan, watch, &|index, light| *locked(&read[index]) = Some(light.clone()))?;
+        self.visit_keyed(set, shots, &keys, watch, &|index, light| *locked(&read[index]) = Some(light.clone()))?;
         let lights: Vec<ShotLight> =
             read.into_iter().filter_map(|light| light.into_inner().unwrap_or_else(PoisonError::into_inner)).collect();
         let mut kept = locked(&self.kept);
-        for (key, light) in plan.of_shot.iter().map(|photo| &plan.photos.0[*photo].0).zip(&lights) {
+        for (key, light) in keys.iter().zip(&lights) {
             if let (Ok(light), None) = (light, of(&kept.photos, key)) {
                 kept.photos.push((key.clone(), light.clone()));
             }
@@ -92,8 +93,41 @@ impl PhotoStore {
         watch: &dyn PipelineWatch,
         on_shot: &OnShot,
     ) -> Result<(), PipelineError> {
-        let plan = self.plan(set, shots);
-        self.carry_out(&plan, watch, on_shot)
+        self.visit_keyed(set, shots, &self.keys(set, shots), watch, on_shot)
+    }
+
+    fn keys(&self, set: &CaptureSet, shots: &[&Shot]) -> Vec<PhotoKey> {
+        let exposures = self.exposures(set);
+        shots.iter().map(|shot| PhotoKey::of(set, shot, &exposures)).collect()
+    }
+
+    /// A bracket is read exposure by exposure, and shown as one photo.
+    fn visit_keyed(
+        &self,
+        set: &CaptureSet,
+        shots: &[&Shot],
+        keys: &[PhotoKey],
+        watch: &dyn PipelineWatch,
+        on_shot: &OnShot,
+    ) -> Result<(), PipelineError> {
+        let exposures = self.exposures(set);
+        let (mut parts, mut gathered) = (Vec::new(), Vec::new());
+        for (index, (shot, key)) in shots.iter().zip(keys).enumerate() {
+            let known = of(&locked(&self.kept).photos, key).cloned();
+            let of_shot = if known.is_some() { Vec::new() } else { parts_of(shot, &exposures) };
+            gathered.push(Gathered::of(of_shot.len()));
+            parts.extend(of_shot.into_iter().enumerate().map(|(part, shot)| (index, part, shot)));
+            if let Some(light) = known {
+                on_shot(index, &Ok(light));
+            }
+        }
+        let plan = self.plan(set, &parts.iter().map(|(.., shot)| shot).collect::<Vec<_>>());
+        self.carry_out(&plan, watch, &|at, light| {
+            let (index, part, _) = parts[at];
+            if let Some(light) = gathered[index].put(set, part, light) {
+                on_shot(index, &light);
+            }
+        })
     }
 
     /// What a file says of itself, read from its head once while it stays as it is.

@@ -183,3 +183,27 @@ fn mixed_sensitivity_is_divided_by_and_named() {
     let warnings = load_subject(&set, Subject::Object, &PhotoStore::default(), &Unattended).unwrap().warnings;
     assert!(warnings.len() == 1 && warnings[0].contains("right.tif: taken at ISO 200"), "{warnings:?}");
 }
+
+/// Light 0.8 of the short exposure clips in the long one; light 0.05 is the same in both.
+#[test]
+fn a_bracket_is_one_photo_by_its_stated_exposures_or_by_exif() {
+    let (folder, mut set) = set_of_automatic_exposure([100; 3]);
+    fs::write(folder.path().join("long.tif"), timed(1.0, (4, 50), 100)).unwrap();
+    fs::write(folder.path().join("short.tif"), timed(0.8, (1, 50), 100)).unwrap();
+    set.shots[0].files = vec!["long.tif".into(), "short.tif".into()];
+    let by_exif = mean_lights(&set);
+    assert!((by_exif[0] - 0.8).abs() < 1e-3 && (by_exif[1] - 0.25).abs() < 1e-3, "{by_exif:?}");
+    set.shots[0].exposures = vec![4.0, 1.0];
+    assert_eq!(mean_lights(&set), by_exif);
+    set.shots[0].exposures = vec![8.0, 2.0];
+    assert!((mean_lights(&set)[0] - 0.4).abs() < 1e-3, "stated exposures win");
+
+    let store = PhotoStore::default();
+    let first = read(&store, &set);
+    let decoded = store.decoded_files();
+    let again = read(&store, &set);
+    assert_eq!(store.decoded_files(), decoded, "a bracket is kept as one photo");
+    let photo = |lights: &[ShotLight]| lights[0].as_ref().unwrap().photo.clone();
+    assert_eq!(photo(&first), photo(&again));
+    assert_eq!(first[0].as_ref().unwrap().files.len(), 2);
+}

@@ -60,13 +60,15 @@ fn camera() -> impl Strategy<Value = Camera> {
 
 fn shot() -> impl Strategy<Value = Shot> {
     let names = (option::of(text()), option::of(text()));
-    (word::<Subject>(), names, vec(text(), 0..3), option::of(number()), option::of(encoding())).prop_map(
-        |(subject, (light, colour), files, exposure, encoding)| Shot {
+    let exposures = (option::of(number()), vec(number(), 0..3));
+    (word::<Subject>(), names, vec(text(), 0..3), exposures, option::of(encoding())).prop_map(
+        |(subject, (light, colour), files, (exposure, exposures), encoding)| Shot {
             subject,
             light,
             colour,
             files,
             exposure,
+            exposures,
             encoding,
         },
     )
