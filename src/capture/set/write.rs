@@ -171,6 +171,7 @@ fn write_camera(table: &mut Table, camera: &Camera) {
     }
     let default = Camera::default();
     put_or_remove(table, "encoding", camera.encoding.map(encoding_value));
+    put_or_remove(table, "layer", camera.layer.as_deref());
     if camera.black_level != default.black_level || table.contains_key("black_level") {
         put(table, "black_level", level_value(camera.black_level));
     }
@@ -211,6 +212,7 @@ fn write_shot(table: &mut Table, shot: &Shot) {
     put(table, "files", list(shot.files.iter().map(String::as_str)));
     put_or_remove(table, "exposure", shot.exposure);
     put_or_remove(table, "encoding", shot.encoding.map(encoding_value));
+    put_or_remove(table, "layer", shot.layer.as_deref());
 }
 
 fn write_sphere(table: &mut Table, sphere: &Sphere) {

@@ -46,10 +46,11 @@ fn camera() -> impl Strategy<Value = Camera> {
     );
     let projection = prop_oneof![orthographic, perspective];
     let levels = (number(), option::of(number()), option::of(number()), option::of(number()));
-    (projection, option::of(encoding()), levels).prop_map(
-        |(projection, encoding, (black_level, white_level, well, noise))| Camera {
+    (projection, option::of(encoding()), option::of(text()), levels).prop_map(
+        |(projection, encoding, layer, (black_level, white_level, well, noise))| Camera {
             projection,
             encoding,
+            layer,
             black_level,
             white_level,
             full_well_electrons: well,
@@ -60,16 +61,16 @@ fn camera() -> impl Strategy<Value = Camera> {
 
 fn shot() -> impl Strategy<Value = Shot> {
     let names = (option::of(text()), option::of(text()));
-    (word::<Subject>(), names, vec(text(), 0..3), option::of(number()), option::of(encoding())).prop_map(
-        |(subject, (light, colour), files, exposure, encoding)| Shot {
+    (word::<Subject>(), names, vec(text(), 0..3), option::of(number()), (option::of(encoding()), option::of(text())))
+        .prop_map(|(subject, (light, colour), files, exposure, (encoding, layer))| Shot {
             subject,
             light,
             colour,
             files,
             exposure,
             encoding,
-        },
-    )
+            layer,
+        })
 }
 
 fn sphere() -> impl Strategy<Value = Sphere> {
