@@ -86,7 +86,7 @@ pub enum ImageError {
         y: usize,
     },
     /// A layered EXR has no layer of the wanted name, or several where none was named.
-    #[error("{}: {}; it has {}", path.display(), wanted.as_ref().map_or("several layers and none was chosen".into(), |name| format!("no layer \"{name}\"")), present.join(", "))]
+    #[error("{}: {}; set layer in capture.toml to one of {}", path.display(), wanted.as_ref().map_or("several layers and none was chosen".into(), |name| format!("no layer \"{name}\"")), present.join(", "))]
     NoLayer {
         /// The file.
         path: PathBuf,

@@ -68,7 +68,7 @@ pub(super) fn read(source: &Source, bytes: &[u8], wanted: Option<&str>) -> Resul
     let (names, indices): (Vec<_>, Vec<_>) = picked.into_iter().unzip();
     let exr = Exr { source, bytes, meta: &meta, tables: file.position() as usize };
     let planes = exr.planes(layer.part, &indices)?;
-    Ok(Decoded { channels: names.into_iter().zip(planes).collect(), stored: StoredRange { maximum: None } })
+    Ok(Decoded::of(names.into_iter().zip(planes).collect(), StoredRange { maximum: None }))
 }
 
 pub(super) fn failed(source: &Source, error: ExrError) -> ImageError {
@@ -123,7 +123,7 @@ fn layers(headers: &[Header]) -> Vec<Layer> {
 fn choose<'a>(source: &Source, layers: &'a [Layer], wanted: Option<&str>) -> Result<&'a Layer, ImageError> {
     let chosen = match (wanted, layers) {
         (None, [only]) => Some(only),
-        (None, _) => None,
+        (None, _) => plain_layer(layers),
         (Some(name), _) => layers.iter().find(|layer| layer.name == name),
     };
     chosen.ok_or_else(|| ImageError::NoLayer {
@@ -131,6 +131,16 @@ fn choose<'a>(source: &Source, layers: &'a [Layer], wanted: Option<&str>) -> Res
         wanted: wanted.map(str::to_string),
         present: layers.iter().take(MAX_NAMES).map(|layer| format!("{:?}", layer.name)).collect(),
     })
+}
+
+/// Of several layers the one without a name, which every viewer shows, if it is a picture; else the only one that is.
+fn plain_layer(layers: &[Layer]) -> Option<&Layer> {
+    let has = |layer: &Layer, wanted: &str| layer.channels.iter().any(|(name, _)| name.eq_ignore_ascii_case(wanted));
+    let is_picture =
+        |layer: &&Layer| ["R", "G", "B"].iter().all(|name| has(layer, name)) || (has(layer, "Y") && !has(layer, "X"));
+    let mut pictures = layers.iter().filter(is_picture);
+    let unnamed = pictures.clone().find(|layer| layer.name.is_empty());
+    unnamed.or_else(|| pictures.next().filter(|_| pictures.next().is_none()))
 }
 
 /// Red, green and blue (or x, y and z of a vector), else luminance, else the only channel that is not alpha.

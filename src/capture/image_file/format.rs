@@ -22,6 +22,10 @@ pub enum Format {
     Hdr,
     /// Portable float map.
     Pfm,
+    /// Windows bitmap, 8 bits.
+    Bmp,
+    /// Portable grey map, pixel map or bitmap, 1 to 16 bits.
+    Pnm,
 }
 
 /// Decodes the bytes of a file, of the layer of this name where files have layers.
@@ -45,7 +49,8 @@ struct Row {
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 6] = [Self::Png, Self::Tiff, Self::Exr, Self::Jpeg, Self::Hdr, Self::Pfm];
+    pub const ALL: [Self; 8] =
+        [Self::Png, Self::Tiff, Self::Exr, Self::Jpeg, Self::Hdr, Self::Pfm, Self::Bmp, Self::Pnm];
 
     fn row(self) -> Row {
         match self {
@@ -101,6 +106,24 @@ impl Format {
                 usually_srgb: false,
                 stated: |source, head| pfm::stated(source, head),
                 read: |source, bytes, _| pfm::read(source, bytes),
+                metadata: |_, _| Metadata::default(),
+            },
+            Self::Bmp => Row {
+                name: "BMP",
+                extensions: &["bmp", "dib"],
+                magic: &[b"BM"],
+                usually_srgb: false,
+                stated: |source, head| raster::stated(source, Self::Bmp, head),
+                read: |source, bytes, _| raster::read(source, Self::Bmp, bytes),
+                metadata: |_, _| Metadata::default(),
+            },
+            Self::Pnm => Row {
+                name: "PNM",
+                extensions: &["pgm", "ppm", "pnm", "pbm", "pam"],
+                magic: &[b"P1", b"P2", b"P3", b"P4", b"P5", b"P6", b"P7"],
+                usually_srgb: false,
+                stated: |source, head| raster::stated(source, Self::Pnm, head),
+                read: |source, bytes, _| raster::read(source, Self::Pnm, bytes),
                 metadata: |_, _| Metadata::default(),
             },
         }

@@ -245,6 +245,11 @@ impl<'a> Scale<'a> {
 
     fn add_row(&self, stored: &[f32], light: &mut [f32], marks: &mut [u8], decode: impl Fn(f32) -> f32) {
         for ((light, mark), &stored) in light.iter_mut().zip(marks).zip(stored) {
+            // What is no number, or endlessly far below black, is taken for black.
+            if stored.is_nan() || stored == f32::NEG_INFINITY {
+                *mark |= DARK;
+                continue;
+            }
             *light += (decode(stored / self.full_scale) - self.black) * self.share;
             *mark |= if stored >= self.clips_at { CLIPPED } else { 0 };
         }

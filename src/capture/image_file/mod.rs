@@ -7,7 +7,7 @@
 //! its size explains. Every size that it states is checked before room is made for it, and its decoder is guarded
 //! ([`guard`](crate::guard)). Decoders that state sizes of their own deep in the pixels (EXR with PIZ or DWA, TIFF with
 //! JPEG or fax) run in a process of their own with a limit of memory and time, see [`decode_in`]; all others (PNG, JPEG,
-//! HDR, PFM, TIFF without compression or with LZW, deflate or PackBits, EXR with anything else) are bounded by what was
+//! HDR, PFM, BMP, PNM, TIFF without compression or with LZW, deflate or PackBits, EXR with anything else) are bounded by what was
 //! checked, and stay in this one.
 
 mod correction;
@@ -22,6 +22,7 @@ mod find;
 mod format;
 mod head;
 mod linearise;
+mod mask;
 mod metadata;
 mod pfm;
 mod png_out;
@@ -32,6 +33,7 @@ mod samples;
 mod subprocess;
 mod texture;
 mod tiff_in;
+mod tiff_page;
 mod tiff_tags;
 mod warning;
 
@@ -49,9 +51,10 @@ pub use find::{MAX_LOOKED_AT, MAX_PICTURES, PicturesFound, pictures_in};
 pub use format::Format;
 pub use head::{PictureSize, picture_metadata, picture_size};
 pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
+pub use mask::{MaskFile, read_mask};
 pub use metadata::{Metadata, StatedCurve, TakenAt};
 pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};
-pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
+pub use read::{Content, ReadOptions, read_image, read_image_as};
 pub use repeats::{NoiseBin, RepeatNoise};
 pub use subprocess::{DECODE_COMMAND, DecodeLimits, decode_for_parent, decode_in};
 pub use texture::texture_png;

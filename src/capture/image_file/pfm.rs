@@ -25,12 +25,12 @@ pub(super) fn read(source: &Source, bytes: &[u8]) -> Result<Decoded, ImageError>
         Header::of(source, bytes)?;
     let (values, _) = pixels.as_chunks::<4>();
     let decode = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
-    let layout = Layout { width, height, samples_per_pixel, planar: false };
+    let layout = Layout { width, height, colours: samples_per_pixel, samples_per_pixel, planar: false };
     let upside_down =
         split(layout, values, decode).ok_or_else(|| source.damaged(Format::Pfm, "pixels are missing at its end"))?;
     let channels =
         upside_down.into_iter().map(|(name, plane)| (name, flipped(plane))).collect::<Vec<(Channel, Plane)>>();
-    Ok(Decoded { channels, stored: StoredRange { maximum: None } })
+    Ok(Decoded::of(channels, StoredRange { maximum: None }))
 }
 
 fn flipped(mut plane: Plane) -> Plane {

@@ -1,14 +1,17 @@
-//! PNG, JPEG and Radiance HDR, by the `image` crate.
+//! PNG, JPEG, Radiance HDR, BMP and PNM, by the `image` crate.
 
 use std::io::{BufRead, Cursor, Seek};
 
+use firstbounce_core::Plane;
+use image::codecs::pnm::PnmDecoder;
 use image::error::ImageError as DecodeError;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use rayon::prelude::*;
 
 use super::head::{PictureSize, Stated};
-use super::read::{Decoded, Source};
-use super::samples::{Layout, split};
-use super::{Encoding, Format, ImageError, Metadata, StatedCurve, StoredRange};
+use super::read::{Decoded, Palette, Source};
+use super::samples::{Layout, alpha, split};
+use super::{Channel, Encoding, Format, ImageError, Metadata, StatedCurve, StoredRange};
 
 /// The most that a colour profile or another text beside the pixels may inflate to.
 const MAX_EXTRA_BYTES: usize = 64 << 20;
@@ -52,17 +55,60 @@ pub(super) fn read(source: &Source, format: Format, bytes: &[u8]) -> Result<Deco
         let decoder = decoder(source, format, Cursor::new(bytes), max_bytes)?;
         DynamicImage::from_decoder(decoder).map_err(|error| failed(source, format, error))
     })?;
-    let layout = Layout { width, height, samples_per_pixel: channels, planar: false };
-    let (channels, maximum) = match &image {
-        DynamicImage::ImageRgb32F(pixels) => (split(layout, pixels.as_raw(), |value| value), None),
-        DynamicImage::ImageLuma16(pixels) => (split(layout, pixels.as_raw(), f32::from), Some(65535.0)),
-        DynamicImage::ImageLumaA16(pixels) => (split(layout, pixels.as_raw(), f32::from), Some(65535.0)),
-        DynamicImage::ImageRgb16(pixels) => (split(layout, pixels.as_raw(), f32::from), Some(65535.0)),
-        DynamicImage::ImageRgba16(pixels) => (split(layout, pixels.as_raw(), f32::from), Some(65535.0)),
-        eight_bit => (split(layout, eight_bit.as_bytes(), f32::from), Some(255.0)),
+    let colours = if channels < 3 { 1 } else { 3 };
+    let layout = Layout { width, height, colours, samples_per_pixel: channels, planar: false };
+    let sixteen_bit = |pixels: &[u16]| (planes(layout, pixels), Some(65535.0));
+    let (planes, maximum) = match &image {
+        DynamicImage::ImageRgb32F(pixels) => ((split(layout, pixels.as_raw(), |value| value), None), None),
+        DynamicImage::ImageLuma16(pixels) => sixteen_bit(pixels.as_raw()),
+        DynamicImage::ImageLumaA16(pixels) => sixteen_bit(pixels.as_raw()),
+        DynamicImage::ImageRgb16(pixels) => sixteen_bit(pixels.as_raw()),
+        DynamicImage::ImageRgba16(pixels) => sixteen_bit(pixels.as_raw()),
+        eight_bit => (planes(layout, eight_bit.as_bytes()), Some(255.0)),
     };
-    let channels = channels.ok_or_else(|| source.damaged(format, "pixels are missing at its end"))?;
-    Ok(Decoded { channels, stored: StoredRange { maximum } })
+    let (Some(channels), alpha) = planes else { return Err(source.damaged(format, "pixels are missing at its end")) };
+    let decoded = Decoded { alpha, ..Decoded::of(channels, StoredRange { maximum }) };
+    match (format, maximum) {
+        (Format::Pnm, Some(full_scale)) => Ok(as_stored(decoded, full_scale, pnm_maximum(bytes))),
+        _ => Ok(decoded),
+    }
+}
+
+/// Colours, and alpha where there is one.
+fn planes<T: Copy + Sync + Into<f32>>(layout: Layout, samples: &[T]) -> (Option<Vec<(Channel, Plane)>>, Option<Plane>) {
+    (split(layout, samples, T::into), alpha(layout, samples, T::into))
+}
+
+/// The largest value that a PNM states.
+fn pnm_maximum(bytes: &[u8]) -> Option<f32> {
+    let (_, header) = PnmDecoder::new(Cursor::new(bytes)).ok()?.into_inner();
+    Some(header.maximal_sample() as f32)
+}
+
+/// The decoder stretches values to all of 8 or 16 bits; here they become again what the file stores.
+fn as_stored(mut decoded: Decoded, full_scale: f32, maximum: Option<f32>) -> Decoded {
+    let Some(maximum) = maximum.filter(|maximum| *maximum > 1.0 && *maximum < full_scale) else { return decoded };
+    for (_, plane) in &mut decoded.channels {
+        plane.data_mut().par_iter_mut().for_each(|value| *value = (*value * maximum / full_scale).round());
+    }
+    decoded.stored.maximum = Some(maximum);
+    decoded
+}
+
+/// The colour map and the indices of a PNG that has one.
+pub(super) fn png_palette(bytes: &[u8]) -> Option<Palette> {
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: MAX_EXTRA_BYTES });
+    decoder.set_transformations(png::Transformations::IDENTITY);
+    let mut reader = decoder.read_info().ok()?;
+    let map = reader.info().palette.as_ref().filter(|_| reader.info().color_type == png::ColorType::Indexed)?;
+    let map = map.as_chunks::<3>().0.iter().map(|colour| colour.map(f32::from)).collect();
+    let (width, bits) = (reader.info().width as usize, usize::from(reader.info().bit_depth as u8));
+    let mut packed = vec![0; reader.output_buffer_size()?];
+    let size = reader.next_frame(&mut packed).ok()?;
+    let index = |row: &[u8], x: usize| (row[x * bits / 8] >> (8 - bits - x * bits % 8)) & (u8::MAX >> (8 - bits));
+    let rows = packed.chunks_exact(size.line_size).take(size.height as usize);
+    let indices = rows.flat_map(|row| (0..width).map(move |x| f32::from(index(row, x)))).collect();
+    Some(Palette { index: Plane::from_vec(width, size.height as usize, indices)?, map })
 }
 
 fn decoder<'a, R: BufRead + Seek + 'a>(
@@ -74,6 +120,8 @@ fn decoder<'a, R: BufRead + Seek + 'a>(
     let image_format = match format {
         Format::Jpeg => ImageFormat::Jpeg,
         Format::Hdr => ImageFormat::Hdr,
+        Format::Bmp => ImageFormat::Bmp,
+        Format::Pnm => ImageFormat::Pnm,
         _ => ImageFormat::Png,
     };
     let mut limits = Limits::no_limits();

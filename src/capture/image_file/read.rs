@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use firstbounce_core::{Mask, Plane};
+use firstbounce_core::Plane;
 use rayon::prelude::*;
 
 use super::head::{Opened, PictureSize};
@@ -25,7 +25,7 @@ const MAX_REASON_CHARS: usize = 300;
 /// What the values mean, and so which of them cannot be true.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Content {
-    /// Light: NaN, infinite and negative values are refused, 8 bits are worth a warning.
+    /// Light: NaN, infinite and negative values are worth a warning, and so are 8 bits.
     #[default]
     Photo,
     /// Numbers such as normals or depths: NaN and infinite values are refused.
@@ -55,44 +55,71 @@ pub fn read_image(path: &Path) -> Result<ImageFile, ImageError> {
 /// As [`read_image`], and [`ImageError::NoLayer`].
 pub fn read_image_as(path: &Path, options: &ReadOptions) -> Result<ImageFile, ImageError> {
     let mut opened = Opened::open(path)?;
-    let (source, format) = (opened.source, opened.format);
-    let stated = opened.stated()?;
     let metadata = opened.metadata()?;
-    let layer = options.layer.as_deref();
-    let decoded = match subprocess::program() {
-        Some(program) if !stated.bounded => subprocess::decode(program, &mut opened, stated.size, layer)?,
-        _ => format.read(&source, &opened.bytes()?, layer)?,
-    };
-    let planes = decoded.channels.iter().map(|(_, plane)| plane);
-    if decoded.stored.maximum.is_none() {
-        refuse_bad_pixels(path, planes, options.content)?;
+    let format = opened.format;
+    let decoded = decode(&mut opened, options.layer.as_deref())?;
+    let mut warnings = warnings(path, format, &decoded, &metadata, options.content);
+    if decoded.stored.maximum.is_none()
+        && let Some(bad) = BadValues::in_planes(decoded.channels.iter().map(|(_, plane)| plane), options.content)
+    {
+        match options.content {
+            Content::Photo => warnings.push(bad.warning(path)),
+            Content::Data => return Err(bad.error(path)),
+        }
     }
     Ok(ImageFile {
         path: path.to_path_buf(),
         format,
-        warnings: warnings(path, format, &decoded, &metadata, options.content),
+        warnings,
         metadata,
         channels: decoded.channels,
         stored: decoded.stored,
     })
 }
 
-/// Reads a mask: non-zero in any channel is inside.
-///
-/// # Errors
-/// As [`read_image`].
-pub fn read_mask(path: &Path) -> Result<Mask, ImageError> {
-    let image = read_image_as(path, &ReadOptions { content: Content::Data, layer: None })?;
-    let (width, height) = image.size();
-    let planes = image.pick(Channel::Grey)?;
-    let inside = (0..width * height).into_par_iter().map(|i| planes.iter().any(|p| p.data()[i] != 0.0)).collect();
-    Mask::from_vec(width, height, inside).ok_or(ImageError::UnequalPlanes { what: path.display().to_string() })
+/// Decodes an opened file, in a process of its own where nothing else bounds its decoder.
+pub(super) fn decode(opened: &mut Opened, layer: Option<&str>) -> Result<Decoded, ImageError> {
+    let (source, format) = (opened.source, opened.format);
+    let stated = opened.stated()?;
+    match subprocess::program() {
+        Some(program) if !stated.bounded => subprocess::decode(program, opened, stated.size, layer),
+        _ => format.read(&source, &opened.bytes()?, layer),
+    }
 }
 
 /// What a decoder makes of a file.
 pub(super) struct Decoded {
     pub channels: Vec<(Channel, Plane)>,
+    /// Opacity, on the scale of the channels; `None` where the file has none, or its decoder gives none.
+    pub alpha: Option<Plane>,
+    /// Of a file with a colour map, which has made the channels.
+    pub palette: Option<Palette>,
     pub stored: StoredRange,
+}
+
+/// Indices, and the red, green and blue of each from 0 to 255.
+pub(super) struct Palette {
+    pub index: Plane,
+    pub map: Vec<[f32; 3]>,
+}
+
+impl Decoded {
+    /// Without alpha or a colour map.
+    pub fn of(channels: Vec<(Channel, Plane)>, stored: StoredRange) -> Self {
+        Self { channels, alpha: None, palette: None, stored }
+    }
+
+    /// By a colour map; an index beyond it is black.
+    pub fn of_palette(index: Plane, map: Vec<[f32; 3]>) -> Self {
+        let plane = |colour: usize| {
+            let mut plane = index.clone();
+            let level = |index: f32| map.get(index as usize).map_or(0.0, |rgb| rgb[colour]);
+            plane.data_mut().par_iter_mut().for_each(|value| *value = level(*value));
+            plane
+        };
+        let channels = vec![(Channel::R, plane(0)), (Channel::G, plane(1)), (Channel::B, plane(2))];
+        Self { palette: Some(Palette { index, map }), ..Self::of(channels, StoredRange { maximum: Some(255.0) }) }
+    }
 }
 
 /// The file that is being read.
@@ -186,31 +213,46 @@ fn warnings(
     warnings
 }
 
-fn refuse_bad_pixels<'a>(
-    path: &Path,
-    planes: impl Iterator<Item = &'a Plane>,
-    content: Content,
-) -> Result<(), ImageError> {
-    let bad = |value: f32| !value.is_finite() || (content == Content::Photo && value < 0.0);
-    let mut found = 0;
-    let mut first = None;
-    for plane in planes {
-        let count = plane.data().par_iter().filter(|&&value| bad(value)).count();
-        if count > 0 {
-            let position = plane.data().iter().position(|&value| bad(value)).unwrap_or_default();
-            let earlier = first.is_none_or(|(at, _)| position < at);
-            first = if earlier { Some((position, plane)) } else { first };
+/// Values of a float file that cannot be what they should be.
+struct BadValues {
+    count: usize,
+    /// Column and row of the first, and what it is.
+    first: (usize, usize),
+    kind: &'static str,
+}
+
+impl BadValues {
+    fn in_planes<'a>(planes: impl Iterator<Item = &'a Plane>, content: Content) -> Option<Self> {
+        let bad = |value: f32| !value.is_finite() || (content == Content::Photo && value < 0.0);
+        let mut found = 0;
+        let mut first = None;
+        for plane in planes {
+            let count = plane.data().par_iter().filter(|&&value| bad(value)).count();
+            if count > 0 {
+                let position = plane.data().iter().position(|&value| bad(value)).unwrap_or_default();
+                let earlier = first.is_none_or(|(at, _)| position < at);
+                first = if earlier { Some((position, plane)) } else { first };
+            }
+            found += count;
         }
-        found += count;
+        let (position, plane) = first?;
+        let kind = match plane.data()[position] {
+            value if value.is_nan() => "NaN",
+            value if value.is_infinite() => "infinite",
+            _ => "negative",
+        };
+        Some(Self { count: found, first: (position % plane.width(), position / plane.width()), kind })
     }
-    let Some((position, plane)) = first else { return Ok(()) };
-    let kind = match plane.data()[position] {
-        value if value.is_nan() => "NaN",
-        value if value.is_infinite() => "infinite",
-        _ => "negative",
-    };
-    let (x, y) = (position % plane.width(), position / plane.width());
-    Err(ImageError::BadPixels { path: path.to_path_buf(), kind, count: found, x, y })
+
+    fn error(&self, path: &Path) -> ImageError {
+        let (x, y) = self.first;
+        ImageError::BadPixels { path: path.to_path_buf(), kind: self.kind, count: self.count, x, y }
+    }
+
+    fn warning(&self, path: &Path) -> ImageWarning {
+        let (x, y) = self.first;
+        ImageWarning::BadValues { path: path.to_path_buf(), kind: self.kind, count: self.count, x, y }
+    }
 }
 
 #[cfg(test)]

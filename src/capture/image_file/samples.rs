@@ -10,6 +10,8 @@ use super::Channel;
 pub(super) struct Layout {
     pub width: usize,
     pub height: usize,
+    /// 1 for grey, 3 for red, green and blue: the first samples of a pixel.
+    pub colours: usize,
     /// Alpha included.
     pub samples_per_pixel: usize,
     /// All of red before all of green, not pixel after pixel.
@@ -23,10 +25,9 @@ pub(super) fn split<T: Copy + Sync>(
     samples: &[T],
     stored: impl Fn(T) -> f32 + Sync,
 ) -> Option<Vec<(Channel, Plane)>> {
-    let Layout { width, height, samples_per_pixel, planar } = layout;
+    let Layout { width, height, colours, samples_per_pixel, planar } = layout;
     let samples = samples.get(..width * height * samples_per_pixel)?;
-    let names: &[Channel] =
-        if samples_per_pixel < 3 { &[Channel::Grey] } else { &[Channel::R, Channel::G, Channel::B] };
+    let names: &[Channel] = if colours == 1 { &[Channel::Grey] } else { &[Channel::R, Channel::G, Channel::B] };
     if planar {
         return names
             .iter()
@@ -41,8 +42,8 @@ pub(super) fn split<T: Copy + Sync>(
         let grey = samples.par_chunks_exact(samples_per_pixel).map(|pixel| stored(pixel[0])).collect();
         return Some(vec![(Channel::Grey, Plane::from_vec(width, height, grey)?)]);
     }
-    let mut colours = [(); 3].map(|()| Plane::filled(width, height, 0.0));
-    let [red, green, blue] = &mut colours;
+    let mut planes = [(); 3].map(|()| Plane::filled(width, height, 0.0));
+    let [red, green, blue] = &mut planes;
     samples
         .par_chunks_exact(width * samples_per_pixel)
         .zip(red.data_mut().par_chunks_exact_mut(width))
@@ -53,5 +54,17 @@ pub(super) fn split<T: Copy + Sync>(
                 (red[x], green[x], blue[x]) = (stored(pixel[0]), stored(pixel[1]), stored(pixel[2]));
             }
         });
-    Some(names.iter().copied().zip(colours).collect())
+    Some(names.iter().copied().zip(planes).collect())
+}
+
+/// The sample after the colours of each pixel, where there is one more than colours; `None` if there are too few.
+pub(super) fn alpha<T: Copy + Sync>(layout: Layout, samples: &[T], stored: impl Fn(T) -> f32 + Sync) -> Option<Plane> {
+    let Layout { width, height, colours, samples_per_pixel, planar } = layout;
+    let pixels = width * height;
+    let samples = samples.get(..pixels * samples_per_pixel).filter(|_| samples_per_pixel == colours + 1)?;
+    let values = match planar {
+        true => samples[pixels * colours..].par_iter().map(|&value| stored(value)).collect(),
+        false => samples.par_chunks_exact(samples_per_pixel).map(|pixel| stored(pixel[colours])).collect(),
+    };
+    Plane::from_vec(width, height, values)
 }

@@ -109,7 +109,7 @@ pub(super) fn decode(
     let (reply, channels) = reply
         .ok_or_else(|| source.damaged(format, "its decoder took more memory or time than such a picture needs"))?;
     Err(match reply {
-        Reply::Planes { maximum, .. } => return Ok(Decoded { channels, stored: StoredRange { maximum } }),
+        Reply::Planes { maximum, .. } => return Ok(Decoded::of(channels, StoredRange { maximum })),
         Reply::Damaged(reason) => source.damaged(format, reason),
         Reply::Unsupported(what) => source.unsupported(format, what),
         Reply::TooLarge { width, height } => source.too_large(width, height),
@@ -184,7 +184,7 @@ pub fn decode_for_parent(layer: Option<&str>, input: impl Read, mut output: impl
     let source = Source { path: Path::new(""), length: bytes.len() };
     let decoded = source.format(&bytes).and_then(|format| format.read(&source, &bytes, layer));
     let (reply, channels) = match decoded {
-        Ok(Decoded { channels, stored }) => {
+        Ok(Decoded { channels, stored, .. }) => {
             let (width, height) = channels.first().map_or((0, 0), |(_, plane)| plane.size());
             (Reply::Planes { width, height, count: channels.len(), maximum: stored.maximum }, channels)
         }

@@ -2,20 +2,25 @@
 
 use std::io::{Cursor, Read, Seek};
 
+use firstbounce_core::Plane;
+use rayon::prelude::*;
+use tiff::TiffError;
 use tiff::decoder::ifd::Value;
-use tiff::decoder::{ChunkType, Decoder, DecodingResult, IfdDecoder, Limits};
+use tiff::decoder::{Decoder, DecodingResult, IfdDecoder, Limits};
 use tiff::tags::{CompressionMethod, Tag};
-use tiff::{ColorType, TiffError};
 
-use super::head::{PictureSize, Stated};
+use super::head::Stated;
 use super::metadata::TagValue;
 use super::read::{BYTE_LIMIT, Decoded, Source};
-use super::samples::{Layout, split};
-use super::tiff_tags::longest_text;
-use super::{Format, ImageError, Metadata, StatedCurve, StoredRange};
+use super::samples::{Layout, alpha, split};
+use super::tiff_page::{Kind, Page, first_page};
+use super::tiff_tags::{longest_text, set_tags};
+use super::{Channel, Format, ImageError, Metadata, StatedCurve, StoredRange};
 
 /// The longest value of EXIF that is read: a time has 20 letters.
 const MAX_TAG_VALUES: u64 = 64;
+/// The entries of a colour map are 16-bit; it has at most 256, so that its pixels are 8-bit pixels.
+const MAP_VALUES_PER_LEVEL: f32 = 257.0;
 
 pub(super) fn stated(source: &Source, mut file: impl Read + Seek) -> Result<Stated, ImageError> {
     let longest_text = longest_text(&mut file).map_err(|error| source.damaged(Format::Tiff, error))?;
@@ -24,45 +29,10 @@ pub(super) fn stated(source: &Source, mut file: impl Read + Seek) -> Result<Stat
     }
     file.rewind().map_err(|error| source.unreadable(error))?;
     source.guarded(Format::Tiff, || {
-        let mut decoder = Decoder::new(file).map_err(|error| failed(source, error))?;
-        let size = size(source, &mut decoder)?.0;
-        check_chunks(source, &mut decoder, size)?;
-        Ok(Stated { size, bounded: is_bounded(source, &mut decoder)? })
+        let mut decoder = first_page(source, file)?;
+        let page = Page::of(source, &mut decoder)?;
+        Ok(Stated { size: page.size, bounded: is_bounded(source, &mut decoder)? })
     })
-}
-
-/// The size, and the bits of a sample.
-fn size<R: Read + Seek>(source: &Source, decoder: &mut Decoder<R>) -> Result<(PictureSize, u8), ImageError> {
-    let failed = |error| failed(source, error);
-    let (width, height) = decoder.dimensions().map_err(failed)?;
-    let (bits, channels) = match decoder.colortype().map_err(failed)? {
-        ColorType::Gray(bits @ (1 | 2 | 4)) => (bits, 1),
-        ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => (bits, 1),
-        ColorType::GrayA(bits @ (8 | 16 | 32 | 64)) => (bits, 2),
-        ColorType::RGB(bits @ (8 | 16 | 32 | 64)) => (bits, 3),
-        ColorType::RGBA(bits @ (8 | 16 | 32 | 64)) => (bits, 4),
-        other => return Err(source.unsupported(Format::Tiff, format_args!("colours of the kind {other:?}"))),
-    };
-    Ok((PictureSize { width: width as usize, height: height as usize, channels }, bits))
-}
-
-/// Refuses tiles and samples for which the decoder would make room, and which the file cannot hold: its limits leave
-/// out the row of a tile that it decodes, and the samples of a pixel that it passes over.
-fn check_chunks<R: Read + Seek>(
-    source: &Source,
-    decoder: &mut Decoder<R>,
-    size: PictureSize,
-) -> Result<(), ImageError> {
-    let samples = decoder.find_tag_unsigned::<u16>(Tag::SamplesPerPixel).map_err(|error| failed(source, error))?;
-    let whole = |side: usize, chunk: u32| side.checked_next_multiple_of(chunk as usize).unwrap_or(usize::MAX);
-    let (width, height) = match decoder.get_chunk_type() {
-        ChunkType::Strip => (size.width, size.height),
-        ChunkType::Tile => {
-            let (tile_width, tile_height) = decoder.chunk_dimensions();
-            (whole(size.width, tile_width), whole(size.height, tile_height))
-        }
-    };
-    source.check_size(PictureSize { width, height, channels: size.channels.max(samples.unwrap_or(1).into()) })
 }
 
 /// Whether the compression writes only what there is room for. JPEG and fax have sizes of their own in each strip.
@@ -78,20 +48,20 @@ fn is_bounded<R: Read + Seek>(source: &Source, decoder: &mut Decoder<R>) -> Resu
     ))
 }
 
-fn failed(source: &Source, error: TiffError) -> ImageError {
+pub(super) fn failed(source: &Source, error: TiffError) -> ImageError {
     match error {
         TiffError::UnsupportedError(what) => source.unsupported(Format::Tiff, what),
         error => source.damaged(Format::Tiff, error),
     }
 }
 
-/// Of the tags of the first picture and their EXIF directory.
+/// Of the tags of the picture that is read and their EXIF directory.
 pub(super) fn metadata(source: &Source, mut file: impl Read + Seek) -> Metadata {
     // A text that is too long makes the decoder print a line.
     if stated(source, &mut file).is_err() || file.rewind().is_err() {
         return Metadata::default();
     }
-    let Ok(mut decoder) = Decoder::new(file) else { return Metadata::default() };
+    let Ok(mut decoder) = first_page(source, file) else { return Metadata::default() };
     let exif = decoder.find_tag(Tag::ExifDirectory).ok().flatten().and_then(|place| place.into_ifd_pointer().ok());
     let exif = exif.and_then(|place| decoder.read_directory(place).ok());
     let metadata = Metadata::of_tags(|tag| {
@@ -124,42 +94,119 @@ fn tag_value(mut tags: IfdDecoder, tag: Tag) -> Option<TagValue> {
     }
 }
 
-/// The first picture of the file, in strips or tiles, interleaved or plane by plane.
+/// The first picture of the file that is not reduced, in strips or tiles, interleaved or plane by plane.
 pub(super) fn read(source: &Source, bytes: &[u8]) -> Result<Decoded, ImageError> {
+    let page = source.guarded(Format::Tiff, || Page::of(source, &mut first_page(source, Cursor::new(bytes))?))?;
+    let (samples, planar) = samples(source, bytes, &page)?;
+    let layout = Layout { planar, ..page.layout() };
+    let integer = |bits: u8| Some((u64::MAX >> (64 - bits)) as f32);
+    let (planes, maximum) = match &samples {
+        DecodingResult::U8(s) => (planes(layout, s, f32::from), integer(page.bits)),
+        DecodingResult::U16(s) => (planes(layout, s, f32::from), integer(page.bits)),
+        DecodingResult::U32(s) => (planes(layout, s, |value| value as f32), integer(page.bits)),
+        DecodingResult::F16(s) => (planes(layout, s, |value| value.to_f32()), None),
+        DecodingResult::F32(s) => (planes(layout, s, |value| value), None),
+        DecodingResult::F64(s) => (planes(layout, s, |value| value as f32), None),
+        _ => return Err(source.unsupported(Format::Tiff, "signed or 64-bit integers")),
+    };
+    let (channels, alpha) = planes.ok_or_else(|| source.damaged(Format::Tiff, "pixels are missing at its end"))?;
+    let stored = StoredRange { maximum };
+    match page.kind {
+        Kind::Palette => {
+            let map = colour_map(source, bytes)?;
+            let index = channels.into_iter().next().map(|(_, index)| index);
+            Ok(Decoded::of_palette(index.unwrap_or_default(), map))
+        }
+        Kind::YCbCr => Ok(Decoded { channels: rgb_of_ycbcr(channels), alpha, ..Decoded::of(Vec::new(), stored) }),
+        Kind::Grey | Kind::Rgb => Ok(Decoded { alpha, ..Decoded::of(channels, stored) }),
+    }
+}
+
+type Planes = (Vec<(Channel, Plane)>, Option<Plane>);
+
+fn planes<T: Copy + Sync>(layout: Layout, samples: &[T], stored: impl Fn(T) -> f32 + Sync) -> Option<Planes> {
+    let alpha = alpha(layout, samples, &stored);
+    Some((split(layout, samples, stored)?, alpha))
+}
+
+/// The samples one by one, and whether they lie plane by plane.
+fn samples(source: &Source, bytes: &[u8], page: &Page) -> Result<(DecodingResult, bool), ImageError> {
+    let changes = page.changes();
+    let (samples, planar) = if changes.is_empty() {
+        decode(source, bytes)?
+    } else {
+        // The decoder does not know such samples; what it takes for 8-bit grey it gives as it is stored.
+        let mut changed = bytes.to_vec();
+        set_tags(&mut changed, page.place, &changes)
+            .ok_or_else(|| source.damaged(Format::Tiff, "a tag of its first directory is missing"))?;
+        decode(source, &changed)?
+    };
+    Ok(match samples {
+        DecodingResult::U8(packed) if page.bits < 8 || page.is_packed() => {
+            (DecodingResult::U16(unpacked(&packed, page.size.width * page.samples, page.bits)), planar)
+        }
+        samples => (samples, planar),
+    })
+}
+
+fn decode(source: &Source, bytes: &[u8]) -> Result<(DecodingResult, bool), ImageError> {
     let mut limits = Limits::default();
     limits.decoding_buffer_size = BYTE_LIMIT;
     limits.intermediate_buffer_size = BYTE_LIMIT;
     let mut samples = DecodingResult::U8(Vec::new());
-    let (PictureSize { width, height, channels: samples_per_pixel }, bits, planes) =
-        source.guarded(Format::Tiff, || {
-            let failed = |error| failed(source, error);
-            let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(failed)?.with_limits(limits);
-            let (size, bits) = size(source, &mut decoder)?;
-            check_chunks(source, &mut decoder, size)?;
-            Ok((size, bits, decoder.read_image_to_buffer(&mut samples).map_err(failed)?.planes))
-        })?;
-    let layout = Layout { width, height, samples_per_pixel, planar: planes > 1 };
-    let integer = |bits: u8| Some((u64::MAX >> (64 - bits)) as f32);
-    let (channels, maximum) = match &samples {
-        DecodingResult::U8(s) if bits < 8 => (split(layout, &unpacked(s, width, bits), f32::from), integer(bits)),
-        DecodingResult::U8(s) => (split(layout, s, f32::from), integer(bits)),
-        DecodingResult::U16(s) => (split(layout, s, f32::from), integer(bits)),
-        DecodingResult::U32(s) => (split(layout, s, |value| value as f32), integer(bits)),
-        DecodingResult::F16(s) => (split(layout, s, |value| value.to_f32()), None),
-        DecodingResult::F32(s) => (split(layout, s, |value| value), None),
-        DecodingResult::F64(s) => (split(layout, s, |value| value as f32), None),
-        _ => return Err(source.unsupported(Format::Tiff, "signed or 64-bit integers")),
-    };
-    let channels = channels.ok_or_else(|| source.damaged(Format::Tiff, "pixels are missing at its end"))?;
-    Ok(Decoded { channels, stored: StoredRange { maximum } })
+    let planes = source.guarded(Format::Tiff, || {
+        let mut decoder = first_page(source, Cursor::new(bytes))?.with_limits(limits);
+        Ok(decoder.read_image_to_buffer(&mut samples).map_err(|error| failed(source, error))?.planes)
+    })?;
+    Ok((samples, planes > 1))
 }
 
-/// Grey samples of 1, 2 or 4 bits, packed from the high bits down; each row begins with a new byte.
-fn unpacked(bytes: &[u8], width: usize, bits: u8) -> Vec<u8> {
-    let per_byte = usize::from(8 / bits);
-    let sample = |row: &[u8], x: usize| {
-        let shift = 8 - bits - (x % per_byte) as u8 * bits;
-        (row[x / per_byte] >> shift) & ((1 << bits) - 1)
+/// Samples of 1 to 16 bits, packed from the high bits down; each row begins with a new byte.
+fn unpacked(bytes: &[u8], row_samples: usize, bits: u8) -> Vec<u16> {
+    let bits = usize::from(bits);
+    let sample = |row: &[u8], index: usize| {
+        let (first, shift) = (index * bits / 8, index * bits % 8);
+        // A sample lies in three bytes at most.
+        let window = (first..first + 3).fold(0_u32, |window, at| window << 8 | u32::from(*row.get(at).unwrap_or(&0)));
+        (window >> (24 - shift - bits)) as u16 & (u16::MAX >> (16 - bits))
     };
-    bytes.chunks_exact(width.div_ceil(per_byte)).flat_map(|row| (0..width).map(move |x| sample(row, x))).collect()
+    let rows = bytes.par_chunks_exact((row_samples * bits).div_ceil(8));
+    rows.flat_map_iter(|row| (0..row_samples).map(move |index| sample(row, index))).collect()
+}
+
+/// Red, green and blue of each index, from 0 to 255.
+fn colour_map(source: &Source, bytes: &[u8]) -> Result<Vec<[f32; 3]>, ImageError> {
+    source.guarded(Format::Tiff, || {
+        let mut decoder = first_page(source, Cursor::new(bytes))?;
+        let map = decoder.get_tag_u16_vec(Tag::ColorMap).map_err(|error| failed(source, error))?;
+        let entries = map.len() / 3;
+        let level = |place: usize| f32::from(map[place]) / MAP_VALUES_PER_LEVEL;
+        Ok((0..entries).map(|entry| [0, 1, 2].map(|colour| level(colour * entries + entry))).collect())
+    })
+}
+
+/// By the coefficients of ITU-R BT.601, which TIFF and JPEG take where a file gives none; all 8 bits are used.
+fn rgb_of_ycbcr(channels: Vec<(Channel, Plane)>) -> Vec<(Channel, Plane)> {
+    let Ok([(_, mut red), (_, mut green), (_, mut blue)]) = <[_; 3]>::try_from(channels) else { return Vec::new() };
+    let pixels = red.data_mut().par_iter_mut().zip(green.data_mut()).zip(blue.data_mut());
+    pixels.for_each(|((first, second), third)| {
+        let (luma, b, r) = (*first, *second - 128.0, *third - 128.0);
+        let rgb = [luma + 1.402 * r, luma - 0.344_136 * b - 0.714_136 * r, luma + 1.772 * b];
+        [*first, *second, *third] = rgb.map(|value| value.round().clamp(0.0, 255.0));
+    });
+    vec![(Channel::R, red), (Channel::G, green), (Channel::B, blue)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packed_samples_of_every_size_come_apart() {
+        assert_eq!(unpacked(&[0b1010_0000], 3, 1), [1, 0, 1]);
+        assert_eq!(unpacked(&[0x12, 0x30, 0x45, 0x60], 3, 4), [1, 2, 3, 4, 5, 6]);
+        assert_eq!(unpacked(&[0xab, 0xcd, 0xef], 2, 12), [0xabc, 0xdef]);
+        assert_eq!(unpacked(&[0b1111_1111, 0b1100_0000, 0b0001_0000], 2, 10), [1023, 1]);
+        assert_eq!(unpacked(&[0xff, 0xfc, 0x00, 0x10], 2, 14), [0x3fff, 1]);
+    }
 }

@@ -1,9 +1,12 @@
-//! The directory of a TIFF, read over before its decoder reads it.
+//! The directory of a TIFF, read over before its decoder reads it, and changed where the decoder does not know a kind.
 
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 
-/// The number of a tag's type that is text.
+use tiff::tags::{IfdPointer, Tag};
+
+/// The numbers of the types of a tag that are text and a number of 32 bits.
 const TEXT: u64 = 2;
+const LONG: u16 = 4;
 
 /// The longest text of the first directory, in bytes as it is stated. The decoder prints a line of its own to standard
 /// error for one beyond its limit.
@@ -31,6 +34,33 @@ pub(super) fn longest_text(mut file: impl Read + Seek) -> io::Result<u64> {
         longest = if kind == TEXT { count.max(longest) } else { longest };
     }
     Ok(longest)
+}
+
+/// Sets tags of the directory at `place` to one number each; `None` if one of them is not there.
+pub(super) fn set_tags(bytes: &mut [u8], IfdPointer(place): IfdPointer, changes: &[(Tag, u32)]) -> Option<()> {
+    let low_first = bytes.starts_with(b"II");
+    let is_big = number(&mut Cursor::new(bytes.get(2..)?), 2, low_first).ok()? == 43;
+    let (word, count_bytes) = if is_big { (8, 8) } else { (4, 2) };
+    let start = usize::try_from(place).ok()?;
+    let entries = number(&mut Cursor::new(bytes.get(start..)?), count_bytes, low_first).ok()?;
+    let entry_bytes = 4 + 2 * word;
+    let mut changed = 0;
+    let table = bytes.get_mut(start + count_bytes..)?;
+    for entry in table.chunks_exact_mut(entry_bytes).take(usize::try_from(entries).ok()?) {
+        let tag = number(&mut Cursor::new(&*entry), 2, low_first).ok()?;
+        let Some((_, value)) = changes.iter().find(|(wanted, _)| u64::from(wanted.to_u16()) == tag) else { continue };
+        let ordered = |value: u64, bytes: usize| match low_first {
+            true => value.to_le_bytes()[..bytes].to_vec(),
+            false => value.to_be_bytes()[8 - bytes..].to_vec(),
+        };
+        // The value stands at the start of its field, in either order.
+        let mut field = ordered(u64::from(*value), 4);
+        field.resize(word, 0);
+        let written = [ordered(u64::from(LONG), 2), ordered(1, word), field].concat();
+        entry[2..].copy_from_slice(&written);
+        changed += 1;
+    }
+    (changed == changes.len()).then_some(())
 }
 
 fn number(file: &mut impl Read, bytes: usize, low_first: bool) -> io::Result<u64> {

@@ -25,6 +25,31 @@ pub enum ImageWarning {
         /// What the content is.
         format: Format,
     },
+    /// Values that no light has, in a file of floats.
+    BadValues {
+        /// The file.
+        path: PathBuf,
+        /// "NaN", "infinite" or "negative": what the first is.
+        kind: &'static str,
+        /// How many values of all channels are NaN, infinite or negative.
+        count: usize,
+        /// Column of the first, 0 at the left.
+        x: usize,
+        /// Row of the first, 0 at the top.
+        y: usize,
+    },
+    /// A mask with more than two values.
+    MaskManyValues {
+        /// The file.
+        path: PathBuf,
+        /// Share of its pixels that have neither the smallest value nor the largest, 0 to 1.
+        between: f64,
+    },
+    /// A mask without an outside.
+    MaskWhole {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file states a curve, which was undone.
     CurveUndone {
         /// The file.
@@ -91,6 +116,9 @@ impl ImageWarning {
             Self::EightBit { path }
             | Self::ProbablySrgb { path }
             | Self::WrongExtension { path, .. }
+            | Self::BadValues { path, .. }
+            | Self::MaskManyValues { path, .. }
+            | Self::MaskWhole { path }
             | Self::CurveUndone { path, .. }
             | Self::CurveUnknown { path, .. }
             | Self::CurveContradicted { path, .. }
@@ -115,6 +143,21 @@ impl fmt::Display for ImageWarning {
             Self::WrongExtension { format, .. } => {
                 write!(f, "the content is {format} in spite of the name; rename it to .{}", format.extensions()[0])
             }
+            Self::BadValues { kind, count, x, y, .. } => write!(
+                f,
+                "{count} values are NaN, infinite or negative, the first ({kind}) at x {x}, y {y}; they count as dark \
+                 (infinite: as clipped); export it again if they are more than noise around black"
+            ),
+            Self::MaskManyValues { between, .. } => write!(
+                f,
+                "the mask has more than two values, {:.2} % of its pixels between them; what is nearer to the largest \
+                 is the object: save it as PNG without soft edges",
+                100.0 * between
+            ),
+            Self::MaskWhole { .. } => write!(
+                f,
+                "the mask takes in the whole picture; paint what is not the object black, or make it transparent"
+            ),
             Self::CurveUndone { curve, .. } => write!(
                 f,
                 "the file says that its values follow {curve}, which was undone; export linear values, or set encoding \

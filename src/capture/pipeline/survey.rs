@@ -63,7 +63,7 @@ pub fn region_of(set: &CaptureSet, shot: &Shot, mask: Option<&Mask>, size: (usiz
 /// # Errors
 /// [`PipelineError::Cancelled`] alone.
 pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Vec<Result<Exposed, String>>, PipelineError> {
-    let mask = set.mask.as_ref().and_then(|written| read_mask(&set.resolve(written)).ok());
+    let mask = set.mask.as_ref().and_then(|written| read_mask(&set.resolve(written)).ok()).map(|file| file.mask);
     // Shots of the same files, as an RGB photo's three colours are, are made of one reading.
     let mut groups: IndexMap<&[String], Vec<usize>> = IndexMap::new();
     set.shots.iter().enumerate().for_each(|(index, shot)| groups.entry(&shot.files).or_default().push(index));

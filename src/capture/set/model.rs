@@ -50,6 +50,9 @@ pub struct Camera {
     pub projection: Projection,
     /// How light becomes stored values; `None`: as each file says, and linear where it says nothing.
     pub encoding: Option<Encoding>,
+    /// Which layer of layered files holds the photo; `None` for the one without a prefix or the only picture
+    /// among them.
+    pub layer: Option<String>,
     /// The stored value at no light.
     pub black_level: f64,
     /// The stored value where it clips; `None`: the file type's maximum.
@@ -123,6 +126,8 @@ pub struct Shot {
     pub exposures: Vec<f64>,
     /// Where these files differ from the camera's encoding.
     pub encoding: Option<Encoding>,
+    /// Where these files differ from the camera's layer.
+    pub layer: Option<String>,
 }
 
 /// The circle of a ball in the pictures of one subject.

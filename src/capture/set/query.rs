@@ -115,6 +115,11 @@ impl CaptureSet {
         shot.encoding.or(self.camera.encoding)
     }
 
+    /// The layer of a shot's files: its own or the camera's.
+    pub fn layer_of<'s>(&'s self, shot: &'s Shot) -> Option<&'s str> {
+        shot.layer.as_deref().or(self.camera.layer.as_deref())
+    }
+
     /// The channel of a shot's files that holds its colour; the mean of all where it names none.
     pub fn channel_of(&self, shot: &Shot) -> Channel {
         let colour = shot.colour.as_deref().and_then(|name| self.colours.get(self.colour_index(name)?));

@@ -16,6 +16,9 @@ use super::word::Word;
 use crate::atomic::FILE_NAME;
 use crate::open::{MAX_TEXT_BYTES, OpenError, read_file};
 
+/// What a `layer` is.
+const LAYER: &str = "a layer's name";
+
 /// The one version of the format.
 pub(super) const SCHEMA: usize = 1;
 
@@ -210,6 +213,7 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
     Camera {
         projection: if perspective { read_perspective(fields) } else { read_orthographic(fields) },
         encoding: fields.get("encoding", ENCODING, encoding),
+        layer: fields.get("layer", LAYER, text),
         black_level: fields.get("black_level", &Number::BlackLevel.words(), number).unwrap_or_default(),
         white_level: fields.get("white_level", &Number::WhiteLevel.words(), number),
         full_well_electrons: fields.get("full_well_electrons", &Number::FullWellElectrons.words(), number),
@@ -267,6 +271,7 @@ fn read_shot(fields: &mut Fields<'_, '_>) -> Shot {
         exposure: fields.get("exposure", &Number::Exposure.words(), number),
         exposures: fields.get("exposures", "a list of numbers, one per file", numbers).unwrap_or_default(),
         encoding: fields.get("encoding", ENCODING, encoding),
+        layer: fields.get("layer", LAYER, text),
     }
 }
 

@@ -171,6 +171,7 @@ fn write_camera(table: &mut Table, camera: &Camera) {
     }
     let default = Camera::default();
     put_or_remove(table, "encoding", camera.encoding.map(encoding_value));
+    put_or_remove(table, "layer", camera.layer.as_deref());
     if camera.black_level != default.black_level || table.contains_key("black_level") {
         put(table, "black_level", level_value(camera.black_level));
     }
@@ -213,6 +214,7 @@ fn write_shot(table: &mut Table, shot: &Shot) {
     let exposures = (!shot.exposures.is_empty()).then(|| list(shot.exposures.iter().copied()));
     put_or_remove(table, "exposures", exposures);
     put_or_remove(table, "encoding", shot.encoding.map(encoding_value));
+    put_or_remove(table, "layer", shot.layer.as_deref());
 }
 
 fn write_sphere(table: &mut Table, sphere: &Sphere) {

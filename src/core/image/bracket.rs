@@ -26,8 +26,8 @@ pub struct BracketPart<'a> {
 /// How exposures are combined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BracketOptions {
-    /// A pixel of one exposure is left out where the shorter ones expect it nearer to white than this many standard deviations: left
-    /// out by its own value, only those that noise made darker would remain.
+    /// A pixel of one exposure is left out where the shorter ones around it expect it nearer to white than this many standard
+    /// deviations: left out by its own value, only those that noise made darker would remain.
     pub clip_sigmas: f64,
     /// Exposures whose values differ by more than this share from what they state contradict them.
     pub max_contradiction: f64,
@@ -114,6 +114,8 @@ pub struct Contradiction {
 const MIN_COMMON_PIXELS: usize = 100;
 /// Values between these shares of white tell a ratio of exposures.
 const TELLING: std::ops::Range<f64> = 0.05..0.8;
+/// Whether an exposure clips is judged by so many pixels on each side.
+const AROUND_PX: usize = 8;
 /// Pixels whose noise the model is fitted to, about.
 const SAMPLED_PIXELS: usize = 4096;
 
@@ -136,9 +138,10 @@ pub fn combine_bracket(parts: &[BracketPart], options: &BracketOptions) -> Resul
         .enumerate()
         .map(|(y, (light, marks))| {
             let (mut used, mut samples) = (vec![0usize; sorted.len()], Vec::new());
+            let counts = Counts::of_row(&sorted, y, options);
             for (x, (light, mark)) in light.iter_mut().zip(marks).enumerate() {
                 let pixel = y * width + x;
-                let found = combine_pixel(&sorted, pixel, options, &mut used);
+                let found = combine_pixel(&sorted, pixel, counts.at(x), &mut used);
                 (*light, *mark) = (found.light as f32, found.mark);
                 if pixel % every == 0 && found.mark & CLIPPED == 0 {
                     samples.push((found.light, found.variance));
@@ -178,38 +181,62 @@ fn check(parts: &[BracketPart]) -> Result<(), BracketError> {
     Ok(())
 }
 
+/// How many exposures count in each pixel of a row: from the shortest on, as long as they do not clip.
+struct Counts {
+    /// By pixel: the count, the sum of exposures, and that of stored light (light times exposure).
+    pixels: Vec<(usize, f64, f64)>,
+}
+
+impl Counts {
+    fn of_row(parts: &[BracketPart], y: usize, options: &BracketOptions) -> Self {
+        let mut counts = Self { pixels: vec![(0, 0.0, 0.0); parts[0].photo.linear.width()] };
+        for (index, part) in parts.iter().enumerate() {
+            let white = 1.0 / part.exposure;
+            let expected: Vec<Option<f64>> = (0..counts.pixels.len()).map(|x| counts.expected_around(x)).collect();
+            let (light, marks) = (part.photo.linear.row(y), part.photo.marks.row(y));
+            for (x, pixel) in counts.pixels.iter_mut().enumerate() {
+                let clips = expected[x]
+                    .is_some_and(|expected| expected + options.clip_sigmas * part.noise.variance(white).sqrt() > white);
+                if pixel.0 == index && marks[x] & !DARK == 0 && !clips {
+                    *pixel = (pixel.0 + 1, pixel.1 + part.exposure, pixel.2 + part.exposure * f64::from(light[x]));
+                }
+            }
+        }
+        counts
+    }
+
+    fn at(&self, x: usize) -> (usize, f64) {
+        let (count, exposure, sum) = self.pixels[x];
+        (count, sum / exposure)
+    }
+
+    /// The light by the exposures so far, over the pixels around: by its own noise alone a pixel would choose its exposures, and with
+    /// them a bias.
+    fn expected_around(&self, x: usize) -> Option<f64> {
+        let around = x.saturating_sub(AROUND_PX)..(x + AROUND_PX + 1).min(self.pixels.len());
+        let known = self.pixels[around].iter().filter(|(count, ..)| *count > 0);
+        let (sum, count) =
+            known.fold((0.0, 0), |(sum, count), (_, exposure, light)| (sum + light / exposure, count + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    }
+}
+
 struct Combined {
     light: f64,
     variance: f64,
     mark: u8,
 }
 
-/// One pixel; `parts` from the shortest to the longest exposure, whose uses are counted.
-fn combine_pixel(parts: &[BracketPart], pixel: usize, options: &BracketOptions, used: &mut [usize]) -> Combined {
+/// One pixel; `parts` from the shortest to the longest exposure, whose uses are counted. So many of them count, which expect this
+/// light by exposure alone: their weights do not know the noise of this pixel and leave no bias.
+fn combine_pixel(parts: &[BracketPart], pixel: usize, (count, expected): (usize, f64), used: &mut [usize]) -> Combined {
     let light = |part: &BracketPart| f64::from(part.photo.linear.data()[pixel]);
-    // First by exposure alone, which does not know the noise of this pixel and so leaves no bias.
-    let (mut exposure, mut sum, mut count) = (0.0, 0.0, 0);
-    for part in parts {
-        let is_usable = part.photo.marks.data()[pixel] & !DARK == 0;
-        let expected_to_clip = count > 0 && {
-            let (expected, white) = (sum / exposure, 1.0 / part.exposure);
-            let of_expected = parts[count - 1].noise.variance(expected);
-            expected + options.clip_sigmas * (of_expected + part.noise.variance(white)).sqrt() > white
-        };
-        if !is_usable || expected_to_clip {
-            break;
-        }
-        exposure += part.exposure;
-        sum += part.exposure * light(part);
-        count += 1;
-    }
     if count == 0 {
         // The shortest exposure is clipped: longer ones are too.
         let first = &parts[0];
         let light = light(first);
         return Combined { light, variance: first.noise.variance(light), mark: first.photo.marks.data()[pixel] };
     }
-    let expected = sum / exposure;
     let (mut precision, mut weighted) = (0.0, 0.0);
     for (part, used) in parts[..count].iter().zip(used) {
         let weight = part.noise.variance(expected).max(f64::MIN_POSITIVE).recip();

@@ -11,6 +11,8 @@ use crate::set::{CaptureSet, Shot, Subject};
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Stamped {
     pub path: PathBuf,
+    /// Which layer is read of it.
+    pub layer: Option<String>,
     /// When it was written last and how long it is; `None` where the system does not tell.
     stamp: Option<(SystemTime, u64)>,
 }
@@ -50,7 +52,7 @@ impl Key for FrameKey {
     fn is_kept_as(&self, kept: &Self) -> bool {
         let files = || self.files.iter().zip(&kept.files);
         let same = |(file, kept): (&Stamped, &Stamped)| {
-            file.path == kept.path && (file.stamp.is_none() || file.stamp == kept.stamp)
+            (&file.path, &file.layer) == (&kept.path, &kept.layer) && (file.stamp.is_none() || file.stamp == kept.stamp)
         };
         self.options == kept.options && self.files.len() == kept.files.len() && files().all(same)
     }
@@ -84,7 +86,7 @@ impl PhotoKey {
     pub fn of(set: &CaptureSet, shot: &Shot, exposures: &Exposures) -> Self {
         let channel = set.channel_of(shot);
         let frame = |of: &Shot| FrameKey {
-            files: of.files.iter().map(|file| Stamped::of(set.resolve(file))).collect(),
+            files: of.files.iter().map(|file| Stamped::of(set.resolve(file), set.layer_of(of))).collect(),
             options: LinearOptions { channel, ..linear_options(set, of, exposures) },
         };
         let dark_of = |of: &Shot| best_dark(set, of, exposures).map(frame);
@@ -95,10 +97,10 @@ impl PhotoKey {
 }
 
 impl Stamped {
-    pub fn of(path: PathBuf) -> Self {
+    pub fn of(path: PathBuf, layer: Option<&str>) -> Self {
         let facts = path.metadata().ok();
         let stamp = facts.and_then(|facts| Some((facts.modified().ok()?, facts.len())));
-        Self { path, stamp }
+        Self { path, layer: layer.map(str::to_owned), stamp }
     }
 }
 

@@ -3,13 +3,17 @@
 use std::sync::Arc;
 
 use firstbounce_core::image::noise::{NoiseModel, NoiseSource, estimate_noise};
+use firstbounce_core::image::photo::DARK;
 use firstbounce_core::{Mask, Photo, Plane};
 use rayon::prelude::*;
 
 use super::super::{PipelineError, PipelineWatch};
 use super::{PhotoStore, SubjectPhotos, load_subject};
-use crate::image_file::{LinearLight, read_mask};
+use crate::image_file::{ImageWarning, LinearLight, MaskFile, read_mask};
 use crate::set::{CaptureSet, Subject};
+
+/// An object that fills the picture leaves no more of it dark under every lamp.
+const MAX_UNLIT_SHARE: f64 = 0.005;
 
 /// The object's photos and mask, and the noise of each photo.
 #[derive(Clone, Debug)]
@@ -20,6 +24,8 @@ pub struct ObjectPhotos {
     pub noise: Vec<Vec<NoiseModel>>,
     /// The object.
     pub mask: Mask,
+    /// Reasons to look at the mask's file again.
+    pub mask_warnings: Vec<ImageWarning>,
     /// What the user should know of the files, each once.
     pub warnings: Vec<String>,
 }
@@ -48,13 +54,19 @@ impl ObjectPhotos {
         }
         let first = taken.first().and_then(|row| row.first()).ok_or(PipelineError::NoLights)?;
         let size = first.photo.linear.size();
+        let mut mask_warnings = Vec::new();
         let mask = match &set.mask {
             Some(written) => {
                 let path = set.resolve(written);
-                let mask = read_mask(&path)?;
+                let MaskFile { mask, warnings: doubts } = read_mask(&path)?;
                 if mask.size() != size {
                     return Err(PipelineError::MaskSize { path, found: mask.size(), expected: size });
                 }
+                let is_doubtful = |doubt: &ImageWarning| {
+                    !matches!(doubt, ImageWarning::MaskWhole { .. }) || unlit_share(&taken) > MAX_UNLIT_SHARE
+                };
+                mask_warnings.extend(doubts.into_iter().filter(is_doubtful));
+                warnings.extend(mask_warnings.iter().map(ToString::to_string));
                 mask
             }
             None => {
@@ -74,7 +86,7 @@ impl ObjectPhotos {
         let noise =
             taken.par_iter().map(|row| row.iter().map(|linear| noise_of(set, linear, &mask)).collect()).collect();
         let photos = taken.into_iter().map(|row| row.into_iter().map(|shot| shot.photo.clone()).collect()).collect();
-        Ok(Self { photos, noise, mask, warnings })
+        Ok(Self { photos, noise, mask, mask_warnings, warnings })
     }
 }
 
@@ -103,6 +115,14 @@ pub(super) fn noise_of(set: &CaptureSet, linear: &LinearLight, mask: &Mask) -> N
         }
         None => estimate_noise(&linear.photo, mask, f64::from(linear.quantisation_step)),
     }
+}
+
+/// The share of pixels that are dark in every photo: not the object, whatever the mask says.
+fn unlit_share(taken: &[Vec<Arc<LinearLight>>]) -> f64 {
+    let photos: Vec<&[u8]> = taken.iter().flatten().map(|shot| shot.photo.marks.data()).collect();
+    let pixels = photos.first().map_or(0, |marks| marks.len());
+    let is_unlit = |pixel: &usize| photos.iter().all(|marks| marks[*pixel] & DARK != 0);
+    (0..pixels).into_par_iter().filter(is_unlit).count() as f64 / pixels.max(1) as f64
 }
 
 /// The largest light of each pixel.

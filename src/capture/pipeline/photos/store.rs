@@ -13,8 +13,8 @@ use super::Exposures;
 use super::bracket::{Gathered, parts_of};
 use super::key::{FlatKey, FrameKey, Key, PhotoKey, Stamped};
 use crate::image_file::{
-    Corrections, DarkFrame, FlatField, ImageError, ImageFile, LinearLight, Metadata, dark_frame, flat_field, linearise,
-    picture_metadata, read_image,
+    Content, Corrections, DarkFrame, FlatField, ImageError, ImageFile, LinearLight, Metadata, ReadOptions, dark_frame,
+    flat_field, linearise, picture_metadata, read_image_as,
 };
 use crate::set::{CaptureSet, Shot, Subject};
 
@@ -132,7 +132,7 @@ impl PhotoStore {
 
     /// What a file says of itself, read from its head once while it stays as it is.
     pub fn metadata(&self, path: &Path) -> Option<Metadata> {
-        let file = Stamped::of(path.to_path_buf());
+        let file = Stamped::of(path.to_path_buf(), None);
         if let Some(known) = locked(&self.metadata).get(&file) {
             return known.clone();
         }
@@ -198,7 +198,7 @@ impl PhotoStore {
 
     fn image(&self, file: &Stamped) -> Result<ImageFile, ImageError> {
         self.decoded.fetch_add(1, Ordering::Relaxed);
-        read_image(&file.path)
+        read_image_as(&file.path, &ReadOptions { content: Content::Photo, layer: file.layer.clone() })
     }
 
     /// Decodes files once, and makes of them all that they are used for. One use takes one file after the other into the

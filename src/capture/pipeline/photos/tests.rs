@@ -9,7 +9,7 @@ use tiff::encoder::{Rational, TiffEncoder};
 use tiff::tags::Tag;
 
 use super::*;
-use crate::image_file::grey16_png;
+use crate::image_file::{ImageWarning, grey16_png};
 use crate::pipeline::Unattended;
 use crate::set::{CaptureSet, Colour, Light, Shot, Subject};
 
@@ -184,6 +184,7 @@ fn mixed_sensitivity_is_divided_by_and_named() {
     assert!(warnings.len() == 1 && warnings[0].contains("right.tif: taken at ISO 200"), "{warnings:?}");
 }
 
+<<<<<<< HEAD
 /// Light 0.8 of the short exposure clips in the long one; light 0.05 is the same in both.
 #[test]
 fn a_bracket_is_one_photo_by_its_stated_exposures_or_by_exif() {
@@ -206,4 +207,19 @@ fn a_bracket_is_one_photo_by_its_stated_exposures_or_by_exif() {
     let photo = |lights: &[ShotLight]| lights[0].as_ref().unwrap().photo.clone();
     assert_eq!(photo(&first), photo(&again));
     assert_eq!(first[0].as_ref().unwrap().files.len(), 2);
+=======
+#[test]
+fn a_mask_of_the_whole_picture_is_named_where_some_of_it_is_never_lit() {
+    let (folder, mut set) = set();
+    set.shots.truncate(3);
+    set.mask = Some("mask.png".into());
+    fs::write(folder.path().join("mask.png"), grey16_png(&Plane::filled(4, 3, 1.0), 1.0).unwrap()).unwrap();
+    let doubts = |set: &CaptureSet| load_object(set, &PhotoStore::default(), &Unattended).unwrap().mask_warnings;
+    assert_eq!(doubts(&set), [], "an object that fills the picture");
+    for name in ["left.png", "top.png", "right.png"] {
+        let dark_corner = Plane::from_fn(4, 3, |x, y| if x + y == 0 { 0.0 } else { 0.4 });
+        fs::write(folder.path().join(name), grey16_png(&dark_corner, 1.0).unwrap()).unwrap();
+    }
+    assert!(matches!(doubts(&set)[..], [ImageWarning::MaskWhole { .. }]));
+>>>>>>> g1
 }

@@ -46,10 +46,11 @@ fn camera() -> impl Strategy<Value = Camera> {
     );
     let projection = prop_oneof![orthographic, perspective];
     let levels = (number(), option::of(number()), option::of(number()), option::of(number()));
-    (projection, option::of(encoding()), levels).prop_map(
-        |(projection, encoding, (black_level, white_level, well, noise))| Camera {
+    (projection, option::of(encoding()), option::of(text()), levels).prop_map(
+        |(projection, encoding, layer, (black_level, white_level, well, noise))| Camera {
             projection,
             encoding,
+            layer,
             black_level,
             white_level,
             full_well_electrons: well,
@@ -61,8 +62,8 @@ fn camera() -> impl Strategy<Value = Camera> {
 fn shot() -> impl Strategy<Value = Shot> {
     let names = (option::of(text()), option::of(text()));
     let exposures = (option::of(number()), vec(number(), 0..3));
-    (word::<Subject>(), names, vec(text(), 0..3), exposures, option::of(encoding())).prop_map(
-        |(subject, (light, colour), files, (exposure, exposures), encoding)| Shot {
+    (word::<Subject>(), names, vec(text(), 0..3), exposures, (option::of(encoding()), option::of(text())))
+        .prop_map(|(subject, (light, colour), files, (exposure, exposures), (encoding, layer))| Shot {
             subject,
             light,
             colour,
@@ -70,8 +71,8 @@ fn shot() -> impl Strategy<Value = Shot> {
             exposure,
             exposures,
             encoding,
-        },
-    )
+            layer,
+        })
 }
 
 fn sphere() -> impl Strategy<Value = Sphere> {

@@ -23,7 +23,7 @@ fn what_is_no_image_is_named() {
     assert!(message(&folder.file("empty.png", b"")).contains("empty"));
     let text = message(&folder.file("left.png", b"Hello, world"));
     assert!(text.ends_with(
-        "left.png: not an image Firstbounce reads (PNG, TIFF, EXR, JPEG, HDR, PFM): first bytes 48 65 6c; export it again"
+        "left.png: not an image Firstbounce reads (PNG, TIFF, EXR, JPEG, HDR, PFM, BMP, PNM): first bytes 48 65 6c; export it again"
     ));
 }
 
@@ -62,13 +62,15 @@ fn values_that_no_light_has_are_counted_and_placed() {
     values[at(4, 2)] = -0.25;
     values[at(7, 3)] = -1.0;
     let negative = folder.file("negative.pfm", pfm("Pf", &values, true));
-    assert!(message(&negative).contains("2 pixels are negative, the first at x 4, y 2"));
+    let warning = read_image(&negative).unwrap().warnings[0].to_string();
+    assert!(warning.contains("2 values are NaN, infinite or negative, the first (negative) at x 4, y 2"), "{warning}");
     let data = ReadOptions { content: Content::Data, layer: None };
     assert_eq!(read_image_as(&negative, &data).unwrap().channels[0].1.at(4, 2), -0.25);
 
     values[at(0, 1)] = f32::NAN;
     let nan = folder.file("nan.tif", grey32f_tiff(&values));
-    assert!(message(&nan).contains("3 pixels are NaN, the first at x 0, y 1"));
+    let warning = read_image(&nan).unwrap().warnings[0].to_string();
+    assert!(warning.contains("3 values are NaN, infinite or negative, the first (NaN) at x 0, y 1"), "{warning}");
     let error = read_image_as(&nan, &data).unwrap_err();
     assert!(matches!(error, ImageError::BadPixels { count: 1, x: 0, y: 1, .. }), "{error}");
 }

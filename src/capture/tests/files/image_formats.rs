@@ -80,7 +80,7 @@ fn palette_and_one_bit_png_come_out_as_eight_bits() {
     let image = read_image(&folder.file("mask.png", &one_bit)).unwrap();
     let expected = [255.0, 0.0, 255.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 255.0];
     assert_eq!(image.channels[0].1.data(), expected);
-    let mask = read_mask(&folder.path("mask.png")).unwrap();
+    let mask = read_mask(&folder.path("mask.png")).unwrap().mask;
     assert_eq!((mask.count(), mask.at(0, 0), mask.at(1, 0)), (3, true, false));
 
     let palette = [10, 20, 30, 40, 50, 60, 70, 80, 90];

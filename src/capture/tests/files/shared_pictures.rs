@@ -48,7 +48,7 @@ fn sizes_and_kinds_are_as_known() {
         let image = read_image_as(&data.join(name), &options).unwrap();
         assert_eq!((image.size(), image.channels.len(), image.stored.maximum), (size, channels, maximum), "{name}");
     }
-    let mask = read_mask(&data.join("corner-blue/mask.png")).unwrap();
+    let mask = read_mask(&data.join("corner-blue/mask.png")).unwrap().mask;
     assert!(mask.size() == (384, 384) && mask.count() > 1000 && mask.count() < 384 * 384);
     assert!(read_image(&data.join("psbox-cat/mirror-sphere/ref.JPG")).unwrap().warnings.len() == 2);
 }
