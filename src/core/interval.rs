@@ -52,6 +52,15 @@ impl Estimate {
         (self.interval.high - self.interval.low) / (2.0 * 1.96)
     }
 
+    /// The same value with an interval that holds what a disturbance did to it, of which `without` leaves out a half or
+    /// more.
+    pub fn widened_to(&self, without: &Self) -> Self {
+        let far = 2.0 * without.value - self.value;
+        let ends = [self.interval.low, self.interval.high, without.interval.low, without.interval.high, far];
+        let [low, high] = [ends.into_iter().fold(far, f64::min), ends.into_iter().fold(far, f64::max)];
+        Self { value: self.value, interval: Interval { low, high } }
+    }
+
     /// Half of the interval's width over the value.
     pub fn relative_half_width(&self) -> f64 {
         (self.interval.high - self.interval.low) / (2.0 * self.value.abs())

@@ -56,11 +56,13 @@ pub struct ShadingOptions {
     pub circle_sd_px: f64,
     /// Distance from the ball's centre to the lamp in ball radii, for a near lamp; absent for a distant one.
     pub lamp_distance_radii: Option<f64>,
+    /// Light that reaches every side alike counts as that of the room where it is more than this share of the lamp's.
+    pub max_ambient: f64,
 }
 
 impl Default for ShadingOptions {
     fn default() -> Self {
-        Self { pixels: PixelOptions::default(), circle_sd_px: 0.1, lamp_distance_radii: None }
+        Self { pixels: PixelOptions::default(), circle_sd_px: 0.1, lamp_distance_radii: None, max_ambient: 0.005 }
     }
 }
 
@@ -69,7 +71,14 @@ impl ShadingOptions {
     pub fn check(&self) -> Result<(), CalibrateError> {
         check_circle_sd(self.circle_sd_px)?;
         check_lamp_distance(self.lamp_distance_radii)?;
+        check_range("max_ambient", self.max_ambient, (0.0..1.0).contains(&self.max_ambient), "from 0 to below 1")?;
         self.pixels.check()
+    }
+
+    /// The ambient that is no sign of room light. The nearer a lamp, the more its light bends over the ball, which the fit
+    /// makes out by the ball's place and size; where these are off by a ball's radius, it errs by as much.
+    fn allowed_ambient(&self) -> f64 {
+        self.max_ambient + self.lamp_distance_radii.map_or(0.0, f64::recip)
     }
 }
 
@@ -89,6 +98,10 @@ pub struct ShadingReport {
     pub direction: DirectionEstimate,
     /// Linear light that reaches every side alike, over the light of a spot that faces the lamp.
     pub ambient: f64,
+    /// Linear light of a spot that faces the lamp, ambient light left out.
+    pub strength: f64,
+    /// Whether the ambient light is that of a room: the region of the direction then holds what such light does to it.
+    pub room_light: bool,
     /// Root mean square residual of the fit, over the light of a spot that faces the lamp.
     pub residual: f64,
     /// The pixels used and refused.
@@ -124,6 +137,12 @@ pub fn direction_from_shading(
         let shift = moved.xyz().normalize() - direction_to_light;
         covariance += shift * shift.transpose();
     }
+    // Light from one half of a room is stronger on one side by as much as it is on all: it draws the direction to itself.
+    let ambient = light.w / strength;
+    let room_light = ambient > options.allowed_ambient();
+    if room_light {
+        covariance += Matrix3::identity() * ambient.powi(2);
+    }
     let used = pixels.used();
     let squares = used.iter().filter_map(|pixel| {
         let row = row_of(pixel.normal(ball)?, direction_to_light, options.lamp_distance_radii);
@@ -131,7 +150,7 @@ pub fn direction_from_shading(
     });
     let residual = (squares.sum::<f64>() / used.len() as f64).sqrt() / strength;
     let direction = DirectionEstimate::new(direction_to_light, &covariance, scatter.groups);
-    Ok(ShadingReport { direction, ambient: light.w / strength, residual, pixels })
+    Ok(ShadingReport { direction, ambient, strength, room_light, residual, pixels })
 }
 
 /// Normal equations of each region of the ball.

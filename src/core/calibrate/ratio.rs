@@ -8,7 +8,7 @@ use crate::Photo;
 use crate::interval::{Estimate, Interval, coverage_factor, jackknife, median, robust_sd};
 use crate::options::check_range;
 use crate::sphere::Ball;
-use nalgebra::Vector1;
+use nalgebra::Vector2;
 
 /// How to measure a ratio.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,11 +18,14 @@ pub struct RatioOptions {
     /// Standard deviation of the black level that was subtracted, in linear light. It shifts both photos of a ratio and
     /// no scatter between pixels shows it. Default: one step of a 14-bit sensor.
     pub black_level_sd: f64,
+    /// A ratio that is off that of the light that changes over the ball by a larger share is spoiled by light that does not
+    /// change.
+    pub max_offset: f64,
 }
 
 impl Default for RatioOptions {
     fn default() -> Self {
-        Self { pixels: PixelOptions::default(), black_level_sd: 1.0 / 16384.0 }
+        Self { pixels: PixelOptions::default(), black_level_sd: 1.0 / 16384.0, max_offset: 0.003 }
     }
 }
 
@@ -31,6 +34,7 @@ impl RatioOptions {
     pub fn check(&self) -> Result<(), CalibrateError> {
         let noise = self.black_level_sd;
         check_range("black_level_sd", noise, (0.0..0.1).contains(&noise), "between 0 and 0.1")?;
+        check_range("max_offset", self.max_offset, (0.0..1.0).contains(&self.max_offset), "from 0 to below 1")?;
         self.pixels.check()
     }
 }
@@ -40,6 +44,12 @@ impl RatioOptions {
 pub struct RatioReport {
     /// Light in the second photo over light in the first.
     pub ratio: Estimate,
+    /// The ratio of the light that changes over the ball. Light that is the same everywhere, as that of a room or a black
+    /// level that is off, changes the other ratio, but not this one, which is noisier.
+    pub slope: Estimate,
+    /// Whether the two differ by more than noise allows. Light from one side changes over the ball too: as much of it may
+    /// still be in the slope as it leaves out.
+    pub offset: bool,
     /// The ratio in each pixel used, in the order of the pixels; for a histogram.
     pub pixel_ratios: Vec<f32>,
     /// Scatter of one pixel's ratio, relative, robust against outliers.
@@ -71,23 +81,48 @@ pub fn measure_ratio(
         *x += pixel.value(reference);
         *y += pixel.value(photo);
     }
-    let slope = |left_out: Option<usize>| {
-        let kept = sums.iter().enumerate().filter(|&(region, _)| Some(region) != left_out);
-        let (x, y) = kept.fold((0.0, 0.0), |(x, y), (_, sum)| (x + sum.1, y + sum.2));
-        (x > 0.0).then(|| Vector1::new(y / x))
+    let ratios = |left_out: Option<usize>| {
+        let kept = sums.iter().enumerate().filter(|&(region, _)| Some(region) != left_out).map(|(_, sum)| *sum);
+        ratio_and_slope(kept)
     };
     let too_few = || CalibrateError::TooFewPixels { counts: pixels.counts(), needed: options.pixels.min_pixels };
-    let found = jackknife(&sums.map(|sum| sum.0), slope).ok_or_else(too_few)?;
+    let found = jackknife(&sums.map(|sum| sum.0), ratios).ok_or_else(too_few)?;
     let value = found.value[0];
     if !(value.is_finite() && value > 0.0) {
         return Err(CalibrateError::Impossible { quantity: "the ratio of two photos", value });
     }
     let mean_reference = sums.iter().map(|sum| sum.1).sum::<f64>() / used.len() as f64;
     let black_level_sd = options.black_level_sd / mean_reference * (1.0 + value * value).sqrt();
-    let sd = found.covariance[0].sqrt().hypot(black_level_sd);
+    let sd = found.covariance[(0, 0)].sqrt().hypot(black_level_sd);
+    let slope_sd = found.covariance[(1, 1)].sqrt();
+    let off = (found.value[1] - value).abs();
+    let offset = off > options.max_offset * value + 3.0 * slope_sd;
     let pixel_ratios: Vec<f32> = used.iter().map(|p| (p.value(photo) / p.value(reference)) as f32).collect();
     let scatter = robust_sd(pixel_ratios.iter().map(|&ratio| f64::from(ratio) / value - 1.0));
-    Ok(RatioReport { ratio: Estimate::with_sd(value, sd, found.groups), pixel_ratios, scatter, pixels })
+    Ok(RatioReport {
+        ratio: Estimate::with_sd(value, sd, found.groups),
+        slope: Estimate::with_sd(found.value[1], slope_sd, found.groups),
+        offset,
+        pixel_ratios,
+        scatter,
+        pixels,
+    })
+}
+
+/// y over x of all regions together, and by how much y grows with x from region to region (least squares of the regions'
+/// means, weighted by their pixels; the noise of a mean is too small to flatten the line).
+fn ratio_and_slope(regions: impl Iterator<Item = (usize, f64, f64)>) -> Option<Vector2<f64>> {
+    let (mut count, mut x, mut y, mut xx, mut xy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (pixels, sum_x, sum_y) in regions.filter(|&(pixels, ..)| pixels > 0) {
+        let pixels = pixels as f64;
+        count += pixels;
+        x += sum_x;
+        y += sum_y;
+        xx += sum_x * sum_x / pixels;
+        xy += sum_x * sum_y / pixels;
+    }
+    let spread = xx - x * x / count;
+    (x > 0.0 && spread > 0.0).then(|| Vector2::new(y / x, (xy - x * y / count) / spread))
 }
 
 fn refuse_off_slope(pixels: &mut BallPixels, reference: &Photo, photo: &Photo, max_deviations: f64) {

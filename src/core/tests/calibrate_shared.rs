@@ -241,6 +241,8 @@ fn the_photographed_mirror_ball_gives_its_circle_and_all_twelve_directions() {
         let off = chosen.direction.direction_to_light.angle(reference).to_degrees();
         println!("lamp {} off {off:.2} of {:.2} deg", lamp + 1, chosen.direction.half_angle_deg);
         assert!(off < 1.0, "lamp {}: {off} degrees", lamp + 1);
+        let doubtful = report.is_ambiguous() || report.is_outshone() || chosen.lasting || chosen.beside_lasting;
+        assert!(!doubtful, "lamp {}: {:?}", lamp + 1, report.candidates);
     }
     assert_near(&snapped.circle, (536.4, 478.5), 421.1, 4.21);
 }

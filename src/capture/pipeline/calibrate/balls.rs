@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use firstbounce_core::sphere::{Ball, Circle, CircleOptions, View, find_circle};
+use firstbounce_core::sphere::{Ball, Circle, CircleOptions, CircleReport, View, find_circle, refine_circle};
 use firstbounce_core::{Photo, Plane};
 use indexmap::IndexMap;
 
@@ -12,6 +12,10 @@ use crate::set::{self, BallValue, CaptureSet, Projection, Sphere, SphereKind, Su
 
 /// Standard deviation of a circle that the file gives, in pixels: the program wrote it, or the user snapped it to the edge.
 const GIVEN_CIRCLE_SD_PX: f64 = 0.1;
+
+/// An edge that contradicts a given circle has to show on more of the rim than one that is looked for: what is reflected
+/// in a mirror ball is round too.
+const MIN_RIM_TO_CONTRADICT: f64 = 0.4;
 
 /// The photos of the balls that a calibration needs.
 pub(super) struct BallPhotos(IndexMap<Subject, Arc<SubjectPhotos>>);
@@ -75,17 +79,23 @@ impl BallShots {
         let Some((subject, photos)) = ball else { return Ok(None) };
         let size = photos.all().next().map_or((0, 0), |photo| photo.linear.size());
         let circle = match set.circle(subject, kind) {
-            Some(circle) => BallCircle { sphere: Sphere { subject, kind, circle }, found: None },
+            Some(circle) => {
+                let edge = edge_near(&photos, &outline(circle));
+                BallCircle { sphere: Sphere { subject, kind, circle }, found: None, edge }
+            }
             None => find(&photos, subject, kind)?,
         };
-        let set::Circle { centre, radius } = circle.sphere.circle;
-        let outline = Circle { centre_px: (centre[0], centre[1]), radius_px: radius };
+        let outline = outline(circle.sphere.circle);
         Ok(Some(Self {
             kind,
             photos,
             ball: Ball::new(outline, view(set, size)),
-            circle_sd_px: circle.found.as_ref().map_or(GIVEN_CIRCLE_SD_PX, |found| found.sd_px),
-            radius_mm: mm_per_pixel(set).map(|scale| scale * radius),
+            circle_sd_px: match (&circle.found, circle.doubt()) {
+                (Some(found), _) => found.sd_px,
+                (None, Some(doubt)) => doubt.off_px,
+                (None, None) => GIVEN_CIRCLE_SD_PX,
+            },
+            radius_mm: mm_per_pixel(set).map(|scale| scale * outline.radius_px),
             circle,
         }))
     }
@@ -128,7 +138,18 @@ fn find(photos: &SubjectPhotos, subject: Subject, kind: SphereKind) -> Result<Ba
         .map_err(|reason| PipelineError::Ball { subject, reason })?;
     let (x, y) = found.circle.centre_px;
     let circle = set::Circle { centre: [x, y], radius: found.circle.radius_px };
-    Ok(BallCircle { sphere: Sphere { subject, kind, circle }, found: Some(found) })
+    Ok(BallCircle { sphere: Sphere { subject, kind, circle }, found: Some(found), edge: None })
+}
+
+fn outline(circle: set::Circle) -> Circle {
+    Circle { centre_px: (circle.centre[0], circle.centre[1]), radius_px: circle.radius }
+}
+
+/// The edge under a given circle; `None` where none shows, as on a mirror ball before black.
+fn edge_near(photos: &SubjectPhotos, given: &Circle) -> Option<CircleReport> {
+    let planes: Vec<&Plane> = photos.all().map(|photo| &photo.linear).collect();
+    let options = CircleOptions { min_rim_seen: MIN_RIM_TO_CONTRADICT, ..CircleOptions::default() };
+    refine_circle(&planes, given, &options).ok()
 }
 
 /// How the camera sees a ball whose pictures have this size. Pictures that do not hold the optical axis are cut-outs from

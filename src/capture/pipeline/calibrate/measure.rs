@@ -10,8 +10,9 @@ use rayon::prelude::*;
 
 use super::super::PipelineError;
 use super::balls::{BallPhotos, BallShots, needed};
-use super::direction::{MeasuredDirection, measure_direction};
-use super::{Calibrated, Known, Preference, RatioEvidence, Source};
+use super::direction::{MeasuredDirection, add_common_doubts, measure_direction};
+use super::warning::Warning;
+use super::{BallCircle, Calibrated, Known, Preference, RatioEvidence, Source};
 use crate::set::{CaptureSet, SphereKind};
 
 /// Values by colour, where there are any, and the ratios behind them.
@@ -40,6 +41,8 @@ impl<'a> Measuring<'a> {
             calibrated.circles.push(ball.circle.clone());
             calibrated.warnings.extend_from_slice(ball.file_warnings());
         }
+        let circles = calibrated.circles.iter().filter_map(BallCircle::doubt);
+        calibrated.warnings.extend(circles.map(|doubt| Warning::Circle(doubt).to_string()));
         Ok(Self { set, preference, grey, material, mirror, calibrated })
     }
 
@@ -52,10 +55,14 @@ impl<'a> Measuring<'a> {
         let (beta, evidence) = self.beta()?;
         self.calibrated.beta = beta;
         self.calibrated.ratios.extend(evidence);
-        let directions = self.directions()?;
+        let mut directions = self.directions()?;
+        add_common_doubts(&self.set.lights, &self.calibrated.direction, &mut directions);
         self.intensities(&directions)?;
+        self.room_light(&directions);
+        self.warn_of_typed();
         for (light, direction) in self.set.lights.iter().zip(directions) {
-            let doubts = direction.doubts.iter().map(|doubt| format!("light {}: {doubt}", light.name));
+            let doubts =
+                direction.doubts.iter().map(|doubt| Warning::Direction { light: &light.name, doubt }.to_string());
             self.calibrated.warnings.extend(doubts);
             self.calibrated.direction_doubts.push(direction.doubts);
             self.calibrated.highlights.push(direction.highlights);
@@ -63,16 +70,91 @@ impl<'a> Measuring<'a> {
         Ok(self.calibrated)
     }
 
-    /// The winner of what the file gives and what a ball gives.
-    fn choose<T>(&self, given: Option<T>, measured: Option<T>) -> Option<T> {
-        match self.preference {
-            Preference::File => given.or(measured),
-            Preference::Balls | Preference::BallsUnderGivenLights => measured.or(given),
+    /// By light, how much of its light on the balls is not the lamp's.
+    fn room_light(&mut self, directions: &[MeasuredDirection]) {
+        let set = self.set;
+        // A circle that is off its ball gives such a fit too.
+        let grey_is_off = self.grey.as_ref().is_some_and(|ball| ball.circle.doubt().is_some());
+        let share = |(l, direction): (usize, &MeasuredDirection)| {
+            let of_shading = direction
+                .shading
+                .iter()
+                .filter(|report| report.room_light && !grey_is_off)
+                .map(|report| report.ambient);
+            let ratios = self.calibrated.ratios.iter().filter(|ratio| ratio.light == l && ratio.report.offset);
+            let of_ratios =
+                ratios.map(|RatioEvidence { report, .. }| (report.ratio.value / report.slope.value - 1.0).abs());
+            of_shading.chain(of_ratios).reduce(f64::max)
+        };
+        let shares: Vec<Option<f64>> = directions.iter().enumerate().map(share).collect();
+        let lights: Vec<(&str, f64)> = set
+            .lights
+            .iter()
+            .zip(&shares)
+            .filter_map(|(light, share)| Some((light.name.as_str(), (*share)?)))
+            .collect();
+        if !lights.is_empty() {
+            self.calibrated.warnings.push(Warning::RoomLight { lights }.to_string());
+        }
+        self.calibrated.room_light = shares;
+    }
+
+    /// Typed values that the balls contradict; of directions, see the doubts about them.
+    fn warn_of_typed(&mut self) {
+        let set = self.set;
+        let mut warn = |what: String, known: &Known<f64>, typed: f64| {
+            if let Some(off) = known.contradicted() {
+                let (measured, half_width) =
+                    (off.measured.value, off.measured.value * off.measured.relative_half_width());
+                self.calibrated.warnings.push(Warning::Typed { what, typed, measured, half_width }.to_string());
+            }
+        };
+        let given = &set.calibration;
+        let beside = |typed: f64, known: &Known<f64>| Known::from_file(typed).beside(Some(known));
+        for (light, (alpha, intensity)) in
+            set.lights.iter().zip(self.calibrated.alpha.iter().zip(&self.calibrated.intensity))
+        {
+            let of_colours = given.alpha.get(&light.name).into_iter().flatten().zip(alpha.iter().flatten());
+            for ((&typed, known), colour) in of_colours.zip(&set.colours) {
+                warn(format!("alpha of light {} in {}", light.name, colour.name), &beside(typed, known), typed);
+            }
+            if let Some(&typed) = given.intensity.get(&light.name) {
+                warn(format!("the intensity of light {}", light.name), &beside(typed, intensity), typed);
+            }
+        }
+        let of_colours = given.beta.iter().flatten().zip(self.calibrated.beta.iter().flatten());
+        for ((&typed, known), colour) in of_colours.zip(&set.colours) {
+            warn(format!("beta in {}", colour.name), &beside(typed, known), typed);
         }
     }
 
-    fn wants_balls(&self, given: bool) -> bool {
-        self.preference != Preference::File || !given
+    /// The winner of what the file gives and what a ball gives, which keeps what the ball says.
+    fn choose<T: Copy>(&self, given: Option<Known<T>>, measured: Option<Known<T>>) -> Option<Known<T>> {
+        match (self.preference, given) {
+            (Preference::File, Some(given)) => Some(given.beside(measured.as_ref())),
+            (_, given) => measured.or(given),
+        }
+    }
+
+    /// The same of the values of all colours.
+    fn choose_all(&self, given: Option<&Vec<f64>>, measured: Option<Vec<Known<f64>>>) -> Option<Vec<Known<f64>>> {
+        let of_colour = |c: usize| measured.as_ref().and_then(|measured| measured.get(c)).cloned();
+        let choose = |(c, &value): (usize, &f64)| self.choose(Some(Known::from_file(value)), of_colour(c));
+        match given {
+            Some(given) if self.preference == Preference::File || measured.is_none() => {
+                given.iter().enumerate().map(choose).collect()
+            }
+            _ => measured,
+        }
+    }
+
+    /// What a ball says; where the file's value wins, a ball that cannot be used is no error.
+    fn unless_given<T>(
+        &self,
+        given: bool,
+        measured: Result<Option<T>, PipelineError>,
+    ) -> Result<Option<T>, PipelineError> {
+        if given && self.preference == Preference::File { Ok(measured.ok().flatten()) } else { measured }
     }
 
     fn alpha(&self, l: usize) -> Result<Measured, PipelineError> {
@@ -80,15 +162,11 @@ impl<'a> Measuring<'a> {
         if colours == 1 {
             return Ok((Some(vec![Known::by_definition()]), Vec::new()));
         }
-        let light = &self.set.lights[l].name;
-        let given = self.set.calibration.alpha.get(light);
-        let evidence = match &self.grey {
-            Some(ball) if self.wants_balls(given.is_some()) => self.ratios(ball, l)?,
-            _ => None,
-        };
+        let given = self.set.calibration.alpha.get(&self.set.lights[l].name);
+        let evidence = self.grey.as_ref().map_or(Ok(None), |ball| self.ratios(ball, l));
+        let evidence = self.unless_given(given.is_some(), evidence)?;
         let measured = evidence.as_deref().map(|evidence| known_ratios(evidence, Source::GreyBall));
-        let given = given.map(|values| values.iter().copied().map(Known::from_file).collect());
-        Ok((self.choose(given, measured), evidence.unwrap_or_default()))
+        Ok((self.choose_all(given, measured), evidence.unwrap_or_default()))
     }
 
     /// The ratios of each other colour over the reference colour on a ball under light `l`; `None` without photos of it.
@@ -109,13 +187,10 @@ impl<'a> Measuring<'a> {
         if colours == 1 {
             return Ok((Some(vec![Known::by_definition()]), Vec::new()));
         }
-        let given = &self.set.calibration.beta;
-        let (measured, evidence) = match &self.material {
-            Some(ball) if self.wants_balls(given.is_some()) => self.measured_beta(ball)?,
-            _ => (None, Vec::new()),
-        };
-        let given = given.as_ref().map(|values| values.iter().copied().map(Known::from_file).collect());
-        Ok((self.choose(given, measured), evidence))
+        let given = self.set.calibration.beta.as_ref();
+        let measured = self.material.as_ref().map(|ball| self.measured_beta(ball)).transpose();
+        let (measured, evidence) = self.unless_given(given.is_some(), measured)?.unwrap_or_default();
+        Ok((self.choose_all(given, measured), evidence))
     }
 
     /// Pooled over the lights that have both balls.
@@ -136,12 +211,32 @@ impl<'a> Measuring<'a> {
                 return Ok((None, evidence));
             }
             let pairs: Vec<(Estimate, Estimate)> = both.iter().map(|(p, a)| (p.estimate(), a.estimate())).collect();
-            let pooled =
-                pool_beta(&pairs).map_err(|reason| PipelineError::calibrate("all", SphereKind::Material, reason))?;
+            let mut pooled = pool(&pairs)?;
+            let slopes = self.slopes(&evidence, c);
+            if slopes.iter().any(|slopes| slopes.offset) {
+                let pairs: Vec<_> = slopes.iter().map(|slopes| (slopes.paint, slopes.alpha)).collect();
+                pooled = pooled.widened_to(&pool(&pairs)?);
+            }
             let pixels = both.first().and_then(|(paint, _)| paint.pixels.clone());
             beta.push(Known::measured(pooled, Source::MaterialBall, pixels));
         }
         Ok((Some(beta), evidence))
+    }
+
+    /// What the light that changes over the balls says of colour `c`, by light.
+    fn slopes(&self, of_paint: &[RatioEvidence], c: usize) -> Vec<Slopes> {
+        let of_paint = of_paint.iter().filter(|evidence| evidence.colour == c);
+        let slopes = |evidence: &RatioEvidence| {
+            let alpha = &self.calibrated.alpha[evidence.light].as_ref()?[c];
+            let grey = self.calibrated.evidence(SphereKind::Grey, evidence.light, c).map(|grey| &grey.report);
+            let grey = grey.filter(|_| alpha.source == Source::GreyBall);
+            Some(Slopes {
+                paint: evidence.report.slope,
+                alpha: grey.map_or(alpha.estimate(), |grey| grey.slope),
+                offset: evidence.report.offset || grey.is_some_and(|grey| grey.offset),
+            })
+        };
+        of_paint.filter_map(slopes).collect()
     }
 
     /// What the balls say of every light's direction; the directions in force go into `calibrated`.
@@ -161,7 +256,7 @@ impl<'a> Measuring<'a> {
             let given = self.set.given_direction(&light.name).map(Known::from_file);
             let measured = measured.known.clone();
             let direction = match self.preference {
-                Preference::BallsUnderGivenLights => given.or(measured),
+                Preference::BallsUnderGivenLights => given.map(|given| given.beside(measured.as_ref())).or(measured),
                 Preference::File | Preference::Balls => self.choose(given, measured),
             };
             self.calibrated.direction.push(direction.or_else(|| light.position_mm.map(|p| Known::from_file(unit(p)))));
@@ -178,8 +273,13 @@ impl<'a> Measuring<'a> {
         let first_strength = strengths.as_ref().and_then(|strengths| strengths.first()).map(|first| first.strength);
         let measured: Option<Vec<_>> = strengths.map(|strengths| {
             let relative = relative_intensities(&strengths.iter().collect::<Vec<_>>());
-            let known = relative.into_iter().zip(strengths);
-            known.map(|(estimate, report)| Known::measured(estimate, Source::GreyBall, Some(report.pixels))).collect()
+            let known = relative.into_iter().zip(strengths).zip(without_room_light(directions));
+            known
+                .map(|((estimate, report), without)| {
+                    let estimate = without.map_or(estimate, |without| estimate.widened_to(&Estimate::exact(without)));
+                    Known::measured(estimate, Source::GreyBall, Some(report.pixels))
+                })
+                .collect()
         });
         let mut assumed = Vec::new();
         for (l, light) in self.set.lights.iter().enumerate() {
@@ -187,7 +287,7 @@ impl<'a> Measuring<'a> {
             let measured = measured.as_ref().map(|all| all[l].clone());
             let intensity = self.choose(given, measured).unwrap_or_else(|| {
                 assumed.push(light.name.as_str());
-                Known { value: 1.0, interval: None, source: Source::Assumed, pixels: None }
+                Known::new(1.0, Source::Assumed)
             });
             self.calibrated.intensity.push(intensity);
         }
@@ -195,10 +295,7 @@ impl<'a> Measuring<'a> {
         self.calibrated.grey_light =
             first_strength.zip(first_intensity).map(|(strength, intensity)| strength / intensity);
         if !assumed.is_empty() {
-            self.calibrated.warnings.push(format!(
-                "no grey ball tells the intensity of {}: taken as 1, which bends the normals if these lamps are not equally strong",
-                assumed.join(", ")
-            ));
+            self.calibrated.warnings.push(Warning::AssumedIntensities { lights: assumed }.to_string());
         }
         Ok(())
     }
@@ -227,9 +324,33 @@ impl<'a> Measuring<'a> {
 /// The reference colour's 1 and the measured ratios of the others.
 fn known_ratios(evidence: &[RatioEvidence], source: Source) -> Vec<Known<f64>> {
     let measured = |RatioEvidence { report, .. }: &RatioEvidence| {
-        Known::measured(report.ratio, source, Some(report.pixels.clone()))
+        let ratio = if report.offset { report.ratio.widened_to(&report.slope) } else { report.ratio };
+        Known::measured(ratio, source, Some(report.pixels.clone()))
     };
     std::iter::once(Known::by_definition()).chain(evidence.iter().map(measured)).collect()
+}
+
+/// The ratios of light that changes over the balls, of one light and colour.
+struct Slopes {
+    paint: Estimate,
+    alpha: Estimate,
+    /// Whether either ball's own ratio is off it.
+    offset: bool,
+}
+
+fn pool(paint_over_alpha: &[(Estimate, Estimate)]) -> Result<Estimate, PipelineError> {
+    pool_beta(paint_over_alpha).map_err(|reason| PipelineError::calibrate("all", SphereKind::Material, reason))
+}
+
+/// By light, its strength over the first light's where the light of the room is left out of both; `None` where there is
+/// none.
+fn without_room_light(directions: &[MeasuredDirection]) -> Vec<Option<f64>> {
+    let shading = |l: usize| directions.get(l).and_then(|direction| direction.shading.as_ref());
+    let without = |l: usize| {
+        let (first, this) = (shading(0)?, shading(l)?);
+        (l > 0 && (first.room_light || this.room_light)).then_some(this.strength / first.strength)
+    };
+    (0..directions.len()).map(without).collect()
 }
 
 fn unit(vector: [f64; 3]) -> [f64; 3] {

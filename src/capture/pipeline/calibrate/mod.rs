@@ -2,8 +2,10 @@
 
 mod balls;
 mod direction;
+mod doubt;
 mod measure;
 mod verdict;
+mod warning;
 
 use firstbounce_core::calibrate::{BallPixels, Highlight, HighlightReport, RatioReport};
 use firstbounce_core::interval::Estimate;
@@ -16,7 +18,8 @@ use super::{ObjectPhotos, PhotoStore, PipelineError, PipelineWatch, SolveOptions
 use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
 
 pub(in crate::pipeline) use balls::needed_subjects;
-pub use verdict::{DirectionDoubt, Evidence, Verdict};
+pub use doubt::{CircleDoubt, DirectionDoubt};
+pub use verdict::{Evidence, Verdict};
 
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +65,17 @@ impl Source {
             Self::Assumed => "assumed",
         }
     }
+
+    /// Whether a value of this source was measured on a ball of this kind.
+    pub(super) fn uses_ball(self, kind: SphereKind) -> bool {
+        match self {
+            Self::GreyBall | Self::Shading => kind == SphereKind::Grey,
+            Self::MaterialBall => kind == SphereKind::Material,
+            Self::MirrorBall => kind == SphereKind::Mirror,
+            Self::MirrorAndShading => kind != SphereKind::Material,
+            _ => false,
+        }
+    }
 }
 
 /// A calibration value, and how well it is known.
@@ -75,22 +89,69 @@ pub struct Known<T> {
     pub source: Source,
     /// The ball's pixels, used and refused by reason; `None` where none were looked at. Of a direction, the grey ball's.
     pub pixels: Option<BallPixels>,
+    /// What the balls say, where the file's value is in force and they were looked at.
+    pub measured: Option<Measured<T>>,
 }
 
+/// What the balls say of a value that is not in force.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured<T> {
+    /// The value.
+    pub value: T,
+    /// Ends of its 95 % interval.
+    pub interval: [T; 2],
+}
+
+/// A typed value and a measured one that cannot both be right.
+pub(super) struct Contradicted {
+    /// What the balls say.
+    pub measured: Estimate,
+    /// How far the typed value is off it, relative to it.
+    pub share: f64,
+}
+
+/// A typed value may be off what the balls say by this many half widths of their interval, and by this share: people round.
+const MAX_HALF_WIDTHS: f64 = 2.0;
+const MAX_TYPED_SHARE: f64 = 0.01;
+
 impl<T> Known<T> {
+    pub(super) fn new(value: T, source: Source) -> Self {
+        Self { value, interval: None, source, pixels: None, measured: None }
+    }
+
     pub(super) fn from_file(value: T) -> Self {
-        Self { value, interval: None, source: Source::File, pixels: None }
+        Self::new(value, Source::File)
+    }
+}
+
+impl<T: Copy> Known<T> {
+    /// The file's value, with what the balls say or said of it.
+    fn beside(mut self, balls: Option<&Self>) -> Self {
+        self.measured = balls.and_then(|balls| match (balls.source, balls.interval) {
+            (Source::File, _) => balls.measured.clone(),
+            (_, interval) => Some(Measured { value: balls.value, interval: interval? }),
+        });
+        self
     }
 }
 
 impl Known<f64> {
     pub(super) fn by_definition() -> Self {
-        Self { value: 1.0, interval: Some([1.0; 2]), source: Source::Definition, pixels: None }
+        Self { interval: Some([1.0; 2]), ..Self::new(1.0, Source::Definition) }
     }
 
     pub(super) fn measured(estimate: Estimate, source: Source, pixels: Option<BallPixels>) -> Self {
         let interval = [estimate.interval.low, estimate.interval.high];
-        Self { value: estimate.value, interval: Some(interval), source, pixels }
+        Self { interval: Some(interval), pixels, ..Self::new(estimate.value, source) }
+    }
+
+    /// What the balls say instead, where this was typed and is farther off than both can be right.
+    pub(super) fn contradicted(&self) -> Option<Contradicted> {
+        let Measured { value, interval: [low, high] } = *self.measured.as_ref()?;
+        let measured = Estimate { value, interval: firstbounce_core::interval::Interval { low, high } };
+        let share = (self.value / value - 1.0).abs();
+        let allowed = (MAX_HALF_WIDTHS * measured.relative_half_width()).max(MAX_TYPED_SHARE);
+        (share > allowed).then_some(Contradicted { measured, share })
     }
 
     /// As the core's formulas take it; a typed value counts as exact.
@@ -107,6 +168,8 @@ pub struct BallCircle {
     pub sphere: Sphere,
     /// How well it was found; `None` where the capture file gives it.
     pub found: Option<CircleReport>,
+    /// The edge that shows near a circle that the file gives; `None` where none shows.
+    pub edge: Option<CircleReport>,
 }
 
 /// What one colour's photo of a ball says against the reference colour's: alpha on the grey ball, alpha times beta on the
@@ -137,11 +200,14 @@ pub struct Calibrated {
     pub grey_light: Option<f64>,
     /// By light: unit vector from the object to the light. `None` where nothing tells.
     pub direction: Vec<Option<Known<[f64; 3]>>>,
+    /// By light: the share of its light on the balls that does not come from the lamp; `None` where it is too little to
+    /// matter, or unknown.
+    pub room_light: Vec<Option<f64>>,
     /// By light: what makes its measured direction doubtful; also among the warnings.
     pub direction_doubts: Vec<Vec<DirectionDoubt>>,
     /// By light: the bright spots on the mirror ball, the chosen one first; `None` where there is no mirror ball.
     pub highlights: Vec<Option<HighlightReport>>,
-    /// Every ratio that was measured; what the file gives is not, unless the balls were asked for.
+    /// Every ratio that was measured. What the file gives is too, where its ball is looked at anyway.
     pub ratios: Vec<RatioEvidence>,
     /// The balls' circles.
     pub circles: Vec<BallCircle>,
@@ -185,24 +251,26 @@ impl Calibrated {
     /// typed. Lights and colours must be those that were calibrated.
     pub fn with_given(mut self, set: &CaptureSet) -> Self {
         let lights = set.lights.len();
-        let from_file = |values: &Vec<f64>| values.iter().copied().map(Known::from_file).collect();
+        let typed = |values: &Vec<f64>, before: Option<&Vec<Known<f64>>>| -> Vec<Known<f64>> {
+            let before = |c: usize| before.and_then(|before| before.get(c));
+            values.iter().enumerate().map(|(c, &value)| Known::from_file(value).beside(before(c))).collect()
+        };
         self.alpha.resize(lights, None);
         self.direction.resize(lights, None);
-        let assumed = Known { value: 1.0, interval: None, source: Source::Assumed, pixels: None };
-        self.intensity.resize(lights, assumed);
+        self.intensity.resize(lights, Known::new(1.0, Source::Assumed));
         for (l, light) in set.lights.iter().enumerate() {
             if let Some(alpha) = set.calibration.alpha.get(&light.name) {
-                self.alpha[l] = Some(from_file(alpha));
+                self.alpha[l] = Some(typed(alpha, self.alpha[l].as_ref()));
             }
             if let Some(direction) = set.given_direction(&light.name) {
-                self.direction[l] = Some(Known::from_file(direction));
+                self.direction[l] = Some(Known::from_file(direction).beside(self.direction[l].as_ref()));
             }
             if let Some(intensity) = set.calibration.intensity.get(&light.name) {
-                self.intensity[l] = Known::from_file(*intensity);
+                self.intensity[l] = Known::from_file(*intensity).beside(Some(&self.intensity[l]));
             }
         }
         if let Some(beta) = &set.calibration.beta {
-            self.beta = Some(from_file(beta));
+            self.beta = Some(typed(beta, self.beta.as_ref()));
         }
         self
     }

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-use firstbounce_core::calibrate::{DirectionSource, Disagreement};
+use firstbounce_core::interval::Estimate;
 use firstbounce_core::trust::{Level, Limits, TwoLimits, gain_of_ratio};
 
-use super::{Calibrated, Known, RatioEvidence, Source};
+use super::direction::contradiction;
+use super::{BallCircle, Calibrated, CircleDoubt, DirectionDoubt, Known, RatioEvidence, Source};
 use crate::set::{CaptureSet, SphereKind};
 
 /// A judgement and what it stands on.
@@ -61,38 +62,20 @@ pub enum Evidence {
     },
     /// Something about the balls' directions.
     Doubt(DirectionDoubt),
-}
-
-/// What makes a measured direction doubtful.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DirectionDoubt {
-    /// Two highlights on the mirror ball are nearly as likely.
-    TwoHighlights,
-    /// The balls disagree.
-    Balls(Disagreement),
-    /// The balls contradict what the file gives.
-    Given {
-        /// What the file gives.
-        source: DirectionSource,
-        /// Angle between the two.
-        angle_deg: f64,
-        /// The angle that would have passed.
-        allowed_deg: f64,
+    /// Light that does not come from the lamp.
+    RoomLight {
+        /// Its share of the lamp's light, in percent.
+        percent: f64,
     },
-}
-
-impl fmt::Display for DirectionDoubt {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TwoHighlights => {
-                f.write_str("two highlights on the mirror ball are nearly as likely; look which one is the lamp's")
-            }
-            Self::Balls(disagreement) => disagreement.fmt(f),
-            Self::Given { source, angle_deg, allowed_deg } => {
-                write!(f, "{source} and the balls differ by {angle_deg:.1} degrees ({allowed_deg:.1} would pass)")
-            }
-        }
-    }
+    /// A given circle that does not lie on the edge of its ball.
+    Circle(CircleDoubt),
+    /// A typed value that the balls contradict.
+    Typed {
+        /// What the balls say.
+        measured: f64,
+        /// Half of its 95 % interval.
+        half_width: f64,
+    },
 }
 
 impl fmt::Display for Evidence {
@@ -117,6 +100,9 @@ impl fmt::Display for Evidence {
             Self::Intensity { percent } => write!(f, "known to {percent:.1} % only"),
             Self::Direction { degrees } => write!(f, "known to {degrees:.1} degrees only"),
             Self::Doubt(doubt) => doubt.fmt(f),
+            Self::RoomLight { percent } => write!(f, "{percent:.1} % of the light on the ball is not the lamp's"),
+            Self::Circle(doubt) => doubt.fmt(f),
+            Self::Typed { measured, half_width } => write!(f, "the ball says {measured:.4} \u{b1} {half_width:.4}"),
         }
     }
 }
@@ -149,8 +135,10 @@ impl Calibrated {
         let beta = self.beta.as_ref().and_then(|beta| beta.get(c)).map(|known| known.value);
         let percent = 100.0 * relative_half_width(known) / distance_from_one(beta);
         let verdict = Verdict::by(Limits::default().light_percent, percent, Evidence::Interval { percent });
+        let verdict = verdict.worse(judge_typed(known, distance_from_one(beta)));
         let evidence = self.evidence(SphereKind::Grey, l, c).filter(|_| known.source == Source::GreyBall);
-        Some(evidence.into_iter().fold(verdict, |verdict, evidence| verdict.worse(judge_ball(evidence))))
+        let verdict = evidence.into_iter().fold(verdict, |verdict, evidence| verdict.worse(judge_ball(evidence)));
+        Some(verdict.worse(self.judge_room_light(l, known)).worse(self.judge_circle(SphereKind::Grey, known)))
     }
 
     /// Of beta of colour `c`: its error moves bounce 1 by as much over 1 - beta, and colours too alike cannot be told
@@ -167,7 +155,8 @@ impl Calibrated {
         }
         let limits = Limits::default();
         let half_width = known.interval.map_or(0.0, |[low, high]| (high - low) / 2.0);
-        let percent = 100.0 * half_width / distance_from_one((c > 0).then_some(known.value));
+        let distance = distance_from_one((c > 0).then_some(known.value));
+        let percent = 100.0 * half_width / distance;
         let verdict = Verdict::by(limits.light_percent, percent, Evidence::Interval { percent });
         let verdict = match set.colours.len() {
             2 if c > 0 && set.bounces() > 1 => {
@@ -178,7 +167,10 @@ impl Calibrated {
         };
         let measured = self.ratios.iter().filter(|ratio| ratio.ball == SphereKind::Material && ratio.colour == c);
         let measured = measured.filter(|_| known.source == Source::MaterialBall);
-        Some(measured.fold(verdict, |verdict, evidence| verdict.worse(judge_ball(evidence))))
+        let verdict = measured.fold(verdict, |verdict, evidence| verdict.worse(judge_ball(evidence)));
+        let room_light = (0..self.room_light.len()).map(|l| self.judge_room_light(l, known));
+        let verdict = room_light.fold(verdict.worse(judge_typed(known, distance)), Verdict::worse);
+        Some(verdict.worse(self.judge_circle(SphereKind::Material, known)))
     }
 
     /// Of the strength of light `l`.
@@ -188,7 +180,9 @@ impl Calibrated {
             return Some(Verdict::new(Level::TakeCare, Evidence::AssumedIntensity));
         }
         let percent = 100.0 * relative_half_width(known);
-        Some(Verdict::by(Limits::default().light_percent, percent, Evidence::Intensity { percent }))
+        let verdict = Verdict::by(Limits::default().light_percent, percent, Evidence::Intensity { percent });
+        let verdict = verdict.worse(judge_typed(known, 1.0)).worse(self.judge_room_light(l, known));
+        Some(verdict.worse(self.judge_circle(SphereKind::Grey, known)))
     }
 
     /// Of the direction to light `l`.
@@ -198,12 +192,34 @@ impl Calibrated {
             |[low, high]: [[f64; 3]; 2]| low.iter().zip(high).map(|(low, high)| (high - low) / 2.0).fold(0.0, f64::max);
         let degrees = known.interval.map_or(0.0, half_width).to_degrees();
         let verdict = Verdict::by(Limits::default().normal_deg, degrees, Evidence::Direction { degrees });
-        let doubt = self.direction_doubts.get(l).and_then(|doubts| doubts.first());
-        Some(
-            doubt
-                .into_iter()
-                .fold(verdict, |verdict, doubt| verdict.worse(Verdict::new(Level::TakeCare, Evidence::Doubt(*doubt)))),
-        )
+        let typed = contradiction(known);
+        let doubts = self.direction_doubts.get(l).into_iter().flatten();
+        // What is doubtful about the balls' direction does not matter where another is in force.
+        let doubts = doubts.filter(|doubt| known.source != Source::File || doubt.is_of_any_source()).chain(&typed);
+        let verdict = doubts
+            .fold(verdict, |verdict, doubt| verdict.worse(Verdict::new(doubt.level(), Evidence::Doubt(doubt.clone()))));
+        let verdict = verdict.worse(self.judge_room_light(l, known));
+        let kinds = [SphereKind::Mirror, SphereKind::Grey].into_iter();
+        Some(kinds.fold(verdict, |verdict, kind| verdict.worse(self.judge_circle(kind, known))))
+    }
+
+    /// Of a value that was measured in light that is not the lamp's.
+    fn judge_room_light<T>(&self, l: usize, known: &Known<T>) -> Verdict {
+        match self.room_light.get(l).copied().flatten() {
+            Some(share) if known.source.uses_ball(SphereKind::Grey) || known.source.uses_ball(SphereKind::Material) => {
+                Verdict::new(Level::TakeCare, Evidence::RoomLight { percent: 100.0 * share })
+            }
+            _ => Verdict { level: Level::Fine, evidence: None },
+        }
+    }
+
+    /// Of a value that was measured within a given circle.
+    fn judge_circle<T>(&self, kind: SphereKind, known: &Known<T>) -> Verdict {
+        let ball = self.circles.iter().find(|ball| ball.sphere.kind == kind && known.source.uses_ball(kind));
+        match ball.and_then(BallCircle::doubt) {
+            Some(doubt) => Verdict::new(doubt.level(), Evidence::Circle(doubt)),
+            None => Verdict { level: Level::Fine, evidence: None },
+        }
     }
 
     /// The ratio of colour `c` over the reference colour under light `l` on a ball.
@@ -221,6 +237,19 @@ fn judge_ball(evidence: &RatioEvidence) -> Verdict {
     verdict.worse(Verdict::by(limits.ball_scatter_percent, scatter, Evidence::Scatter { percent: scatter }))
 }
 
+/// Of a typed value, by how far it moves bounce 1 from where the balls put it: its relative error over `distance`.
+fn judge_typed(known: &Known<f64>, distance: f64) -> Verdict {
+    match known.contradicted() {
+        None => Verdict { level: Level::Fine, evidence: None },
+        Some(off) => {
+            let Estimate { value, .. } = off.measured;
+            let half_width = value.abs() * off.measured.relative_half_width();
+            let level = Limits::default().light_percent.level(100.0 * off.share / distance).max(Level::TakeCare);
+            Verdict::new(level, Evidence::Typed { measured: value, half_width })
+        }
+    }
+}
+
 fn relative_half_width(known: &Known<f64>) -> f64 {
     known.interval.map_or(0.0, |[low, high]| (high - low) / (2.0 * known.value.abs()))
 }
@@ -232,7 +261,6 @@ fn distance_from_one(beta: Option<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use firstbounce_core::interval::Estimate;
     use firstbounce_core::trust::{LightLevels, Rig, TrustOptions, judge};
     use nalgebra::DMatrix;
 

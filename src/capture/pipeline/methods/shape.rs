@@ -129,7 +129,7 @@ pub(in super::super) fn white_light(
     let found = photographed_white_light(set, calibrated, scale, watch);
     match (&found, scale.white_light_of_truth) {
         (Err(PipelineError::NoGreyAlbedo | PipelineError::NoWhiteLight), Some(value)) => {
-            Ok(Known { source: Source::Truth, ..Known::from_file(value) })
+            Ok(Known::new(value, Source::Truth))
         }
         _ => found,
     }
@@ -184,7 +184,7 @@ fn photographed_white_light(
         let expected = "from 0.0001 to 1";
         return Err(PipelineError::Scale { what: "grey_albedo", value: albedo, expected });
     }
-    Ok(Known { value: grey_light / albedo, interval: None, source: Source::GreyBall, pixels: None })
+    Ok(Known::new(grey_light / albedo, Source::GreyBall))
 }
 
 /// Puts the direct light that was found in place of the photos before separation, with its mean.

@@ -184,7 +184,6 @@ fn mixed_sensitivity_is_divided_by_and_named() {
     assert!(warnings.len() == 1 && warnings[0].contains("right.tif: taken at ISO 200"), "{warnings:?}");
 }
 
-<<<<<<< HEAD
 /// Light 0.8 of the short exposure clips in the long one; light 0.05 is the same in both.
 #[test]
 fn a_bracket_is_one_photo_by_its_stated_exposures_or_by_exif() {
@@ -207,7 +206,8 @@ fn a_bracket_is_one_photo_by_its_stated_exposures_or_by_exif() {
     let photo = |lights: &[ShotLight]| lights[0].as_ref().unwrap().photo.clone();
     assert_eq!(photo(&first), photo(&again));
     assert_eq!(first[0].as_ref().unwrap().files.len(), 2);
-=======
+}
+
 #[test]
 fn a_mask_of_the_whole_picture_is_named_where_some_of_it_is_never_lit() {
     let (folder, mut set) = set();
@@ -221,5 +221,4 @@ fn a_mask_of_the_whole_picture_is_named_where_some_of_it_is_never_lit() {
         fs::write(folder.path().join(name), grey16_png(&dark_corner, 1.0).unwrap()).unwrap();
     }
     assert!(matches!(doubts(&set)[..], [ImageWarning::MaskWhole { .. }]));
->>>>>>> g1
 }

@@ -62,8 +62,8 @@ fn camera() -> impl Strategy<Value = Camera> {
 fn shot() -> impl Strategy<Value = Shot> {
     let names = (option::of(text()), option::of(text()));
     let exposures = (option::of(number()), vec(number(), 0..3));
-    (word::<Subject>(), names, vec(text(), 0..3), exposures, (option::of(encoding()), option::of(text())))
-        .prop_map(|(subject, (light, colour), files, (exposure, exposures), (encoding, layer))| Shot {
+    (word::<Subject>(), names, vec(text(), 0..3), exposures, (option::of(encoding()), option::of(text()))).prop_map(
+        |(subject, (light, colour), files, (exposure, exposures), (encoding, layer))| Shot {
             subject,
             light,
             colour,
@@ -72,7 +72,8 @@ fn shot() -> impl Strategy<Value = Shot> {
             exposures,
             encoding,
             layer,
-        })
+        },
+    )
 }
 
 fn sphere() -> impl Strategy<Value = Sphere> {

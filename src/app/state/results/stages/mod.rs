@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn a_key_of_measured_values_that_are_no_numbers_is_that_of_its_result() {
-        let known = [Known { value: f64::NAN, interval: None, source: Source::GreyBall, pixels: None }];
+        let known = [Known { value: f64::NAN, interval: None, source: Source::GreyBall, pixels: None, measured: None }];
         assert_eq!(bits(&known), bits(&known));
         assert_ne!(bits(&known), bits(&[Known { value: 0.5, ..known[0].clone() }]));
     }

@@ -1,0 +1,69 @@
+//! What the user should know of a calibration before trusting it, beside the doubts about one direction.
+
+use std::fmt;
+
+use super::{CircleDoubt, DirectionDoubt};
+
+/// A warning of a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Warning<'a> {
+    /// Light that does not come from a lamp.
+    RoomLight {
+        /// Which lights, and its share of their light on the ball.
+        lights: Vec<(&'a str, f64)>,
+    },
+    /// A given circle off its ball's edge.
+    Circle(CircleDoubt),
+    /// A typed value that a ball contradicts.
+    Typed {
+        /// "alpha of light left in green"
+        what: String,
+        /// What was typed.
+        typed: f64,
+        /// What the ball says.
+        measured: f64,
+        /// Half of its 95 % interval.
+        half_width: f64,
+    },
+    /// A doubt about a light's direction.
+    Direction {
+        /// The light.
+        light: &'a str,
+        /// What it is.
+        doubt: &'a DirectionDoubt,
+    },
+    /// Intensities that nothing gives.
+    AssumedIntensities {
+        /// Of which lights.
+        lights: Vec<&'a str>,
+    },
+}
+
+impl fmt::Display for Warning<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::RoomLight { lights } => {
+                let words = lights.iter().map(|(light, share)| format!("{:.1} % under {light}", 100.0 * share));
+                write!(
+                    f,
+                    "part of the light on the balls does not come from the lamp: {}. Darken the room, or photograph it with \
+                     all lamps off and add that as a \"dark\" shot, which is subtracted; the intervals are widened until then",
+                    words.collect::<Vec<_>>().join(", ")
+                )
+            }
+            Self::Circle(doubt) => doubt.fmt(f),
+            Self::Typed { what, typed, measured, half_width } => write!(
+                f,
+                "{what} is {typed:.4} in capture.toml, and the ball says {measured:.4} \u{b1} {half_width:.4}: check which is \
+                 right, and delete the line to use the ball's"
+            ),
+            Self::Direction { light, doubt } => write!(f, "light {light}: {doubt}"),
+            Self::AssumedIntensities { lights } => write!(
+                f,
+                "no grey ball gives the intensity of {}: taken as 1, which bends the normals if these lamps are not equally \
+                 strong",
+                lights.join(", ")
+            ),
+        }
+    }
+}
