@@ -28,6 +28,7 @@ mod read;
 mod repeats;
 mod samples;
 mod subprocess;
+mod taken;
 mod texture;
 mod tiff_in;
 mod tiff_tags;
@@ -43,6 +44,7 @@ pub use encoding::{Channel, Encoding};
 pub use error::ImageError;
 pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
+pub(crate) use find::natural_key;
 pub use find::{MAX_LOOKED_AT, MAX_PICTURES, PicturesFound, pictures_in};
 pub use format::Format;
 pub use head::{PictureSize, picture_size};
@@ -51,6 +53,7 @@ pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_
 pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
 pub use repeats::{NoiseBin, RepeatNoise};
 pub use subprocess::{DECODE_COMMAND, DecodeLimits, decode_for_parent, decode_in};
+pub use taken::{TakenAt, time_taken};
 pub use texture::texture_png;
 
 /// What values a file can hold.
