@@ -40,6 +40,34 @@ impl OpenError {
     }
 }
 
+/// Files of a folder are compared with one that is missing, up to this number.
+const MAX_COMPARED: usize = 10_000;
+
+/// A name may differ by so many letters from the one that was meant.
+const MAX_DIFFERENT_LETTERS: usize = 2;
+
+/// Why the file at `path` is not read, with the name of one that is there and was probably meant.
+pub fn refusal(path: &Path, error: &OpenError) -> String {
+    match near(path).filter(|_| error.is_not_found()) {
+        Some(other) => format!("{error}; there is {other:?}"),
+        None => error.to_string(),
+    }
+}
+
+/// A file in the folder of `path` whose name is nearly the same: with another extension or a few other letters.
+pub fn near(path: &Path) -> Option<String> {
+    let wanted = path.file_name()?.to_string_lossy().to_lowercase();
+    let stem = |name: &str| Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let distance = |name: &String| {
+        let name = name.to_lowercase();
+        if stem(&name) == stem(&wanted) { 0 } else { strsim::damerau_levenshtein(&name, &wanted) }
+    };
+    let entries = path.parent()?.read_dir().ok()?.flatten().take(MAX_COMPARED);
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let near = names.map(|name| (distance(&name), name)).filter(|(distance, _)| *distance <= MAX_DIFFERENT_LETTERS);
+    near.min().map(|(_, name)| name)
+}
+
 impl From<OpenError> for io::Error {
     fn from(error: OpenError) -> Self {
         match error {
@@ -100,6 +128,21 @@ mod tests {
         assert!(matches!(read_file(folder.path(), 4), Err(OpenError::NotAFile)));
         fs::write(&path, b"\xff").unwrap();
         assert!(matches!(read_text(&path), Err(OpenError::NotText)));
+    }
+
+    #[test]
+    fn a_file_that_is_missing_is_refused_with_the_one_that_is_there() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["left-blue.tif", "top-blue.png", "notes.txt"] {
+            fs::write(folder.path().join(name), b"x").unwrap();
+        }
+        let refused = |name: &str| {
+            let path = folder.path().join(name);
+            refusal(&path, &read_file(&path, 4).unwrap_err())
+        };
+        assert!(refused("left-blue.png").ends_with("; there is \"left-blue.tif\""), "{}", refused("left-blue.png"));
+        assert!(refused("tpo-blue.png").ends_with("; there is \"top-blue.png\""));
+        assert!(!refused("right-green.png").contains("there is"));
     }
 
     /// Files that open folders, to lock them and to make renames last.

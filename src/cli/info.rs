@@ -1,8 +1,11 @@
 //! `firstbounce info SET`
 
+use std::path::Path;
+
 use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::image_file::Metadata;
+use firstbounce_capture::open::near;
 use firstbounce_capture::pipeline::{Exposed, Exposures, PhotoStore, survey};
 use firstbounce_capture::set::{BallValue, Shot, Subject};
 use serde::Serialize;
@@ -151,6 +154,12 @@ fn missing_files(set: &CaptureSet) -> Vec<String> {
     named.filter(|file| !set.resolve(file).is_file()).map(str::to_owned).collect()
 }
 
+/// A missing file, with one that is there and was probably meant.
+fn missing(folder: &str, file: &str) -> String {
+    let near = near(&Path::new(folder).join(file.replace('\\', "/")));
+    format!("missing file: {file}{}", near.map_or_else(String::new, |near| format!("; there is {near:?}")))
+}
+
 /// What this set needs before it gives a mesh.
 fn lacks(set: &CaptureSet) -> Vec<String> {
     let given = &set.calibration;
@@ -165,7 +174,7 @@ fn lacks(set: &CaptureSet) -> Vec<String> {
         (set.lights.len() < 3, "a third light: normals need three, the bounces come out all the same"),
         (
             several && no_ball_for(BallValue::Alpha) && !all(&|l| given.alpha.contains_key(l)),
-            "alpha: photograph a grey ball, or type it",
+            "alpha: photograph a grey ball, or type it; one beside the object is a [[sphere]] with subject = \"object\"",
         ),
         (
             several && no_ball_for(BallValue::Beta) && given.beta.is_none(),
@@ -173,7 +182,8 @@ fn lacks(set: &CaptureSet) -> Vec<String> {
         ),
         (
             no_ball_for(BallValue::Direction) && !all(&placed),
-            "directions: photograph a mirror or grey ball, or type them",
+            "directions: photograph a mirror or grey ball, or type them; one beside the object is a [[sphere]] with subject \
+             = \"object\"",
         ),
         (
             no_ball_for(BallValue::Intensity) && !all(&|l| given.intensity.contains_key(l)),
@@ -237,7 +247,7 @@ fn text(info: &Info) -> String {
         table(&shot_rows(&info.shots)),
         String::new(),
     ];
-    lines.extend(info.missing_files.iter().map(|file| format!("missing file: {file}")));
+    lines.extend(info.missing_files.iter().map(|file| missing(&info.folder, file)));
     lines.extend(info.lacks.iter().map(|what| format!("lacks {what}")));
     lines.join("\n")
 }

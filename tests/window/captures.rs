@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::time::{Duration, SystemTime};
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
@@ -63,6 +64,68 @@ fn unnamed_files_are_assigned_at_once_by_the_order_in_which_they_were_taken() {
     let set = hands.session().document().set.clone();
     assert_eq!(set.shot(Subject::Object, Some("left"), Some("green")).unwrap().files, ["DSC0002.png"]);
     assert!(set.check().is_empty(), "{:?}", set.check());
+}
+
+#[test]
+fn a_camera_dump_is_object_balls_and_mirror_in_the_order_of_its_times_across_the_end_of_the_count() {
+    let mut hands = Hands::new();
+    // 21 photos, of which the camera called the first DSC_9995.
+    let count = |photo: usize| if photo < 5 { 9995 + photo } else { photo - 5 };
+    let names: Vec<String> = (0..21).map(|photo| format!("DSC_{:04}.png", count(photo))).collect();
+    let folder = folder(&hands, &names.iter().map(String::as_str).collect::<Vec<_>>());
+    for (photo, name) in (0..).zip(&names) {
+        let taken = SystemTime::UNIX_EPOCH + Duration::from_secs(1_700_000_000 + 7 * photo);
+        fs::File::options().write(true).open(folder.join(name)).unwrap().set_modified(taken).unwrap();
+    }
+    hands.drop_files(&[folder]);
+    hands.harness.get_by_label("By the order in which they were taken").click_accesskit();
+    hands.harness.run_steps(30);
+    assert!(hands.sees("By the time they were taken, from DSC_9995.png to DSC_0015.png"));
+    for subject in ["Grey ball", "Ball of the paint", "Mirror ball"] {
+        hands.harness.get_by_role_and_label(Role::CheckBox, subject).click_accesskit();
+        hands.steps();
+    }
+    hands.type_into("Lights in order", "left, top, right");
+    hands.type_into("Colours in order", "blue, green");
+    hands.click_button("Assign these 21 files in order");
+    hands.click_button("Add 21 files");
+    let set = hands.session().document().set.clone();
+    assert!(set.check().is_empty(), "{:?}", set.check());
+    let file = |subject, light, colour| set.shot(subject, Some(light), colour).unwrap().files.clone();
+    assert_eq!(file(Subject::Object, "left", Some("blue")), ["DSC_9995.png"]);
+    assert_eq!(file(Subject::GreySphere, "left", Some("blue")), ["DSC_0001.png"]);
+    assert_eq!(file(Subject::MirrorSphere, "right", None), ["DSC_0015.png"]);
+}
+
+#[test]
+fn folders_of_equal_names_are_asked_about_before_any_file_is_taken() {
+    let mut hands = Hands::new();
+    let names = ["one/left-blue.png", "one/top-blue.png", "two/left-blue.png", "two/top-blue.png", "two/ball.png"];
+    let folder = folder(&hands, &names);
+    hands.drop_files(&[folder]);
+    assert!(hands.sees("5 files are not recognised"));
+    assert!(hands.sees("choose what each folder shows"));
+    for (folder, subject) in [("one", "Object"), ("two", "Grey ball")] {
+        hands.harness.get_by_role_and_label(Role::ComboBox, &format!("Folder {folder} shows")).click_accesskit();
+        hands.steps();
+        hands.harness.get_by_role_and_label(Role::Button, subject).click_accesskit();
+        hands.steps();
+    }
+    assert!(hands.sees("two/top-blue.png: grey-sphere, top, blue"));
+    hands.click_button("Add 4 files");
+    let set = hands.session().document().set.clone();
+    assert!(set.shots.len() == 4 && set.shots.iter().all(|shot| shot.files.len() == 1), "{:?}", set.shots);
+}
+
+#[test]
+fn an_exposure_bracket_and_a_word_that_is_no_colour_are_shown_as_doubts() {
+    let mut hands = Hands::new();
+    let folder = folder(&hands, &["left-blue-1-60.png", "left-blue-1-125.png", "left-c2-1-60.png"]);
+    hands.drop_files(&[folder]);
+    assert!(hands.sees("left-blue-1-60.png: one photo at several exposures (1-125, 1-60)"));
+    hands.harness.get_by_role_and_label(Role::CheckBox, "These are colours: c2").click_accesskit();
+    hands.steps();
+    assert!(hands.sees("left-c2-1-60.png: object, left, c2"));
 }
 
 #[test]

@@ -55,7 +55,7 @@ impl Dialogs for SystemDialogs {
                 dialog.add_filter("Meshes", &meshes).pick_file().into_iter().collect()
             }
             Choose::LightFile => {
-                dialog.add_filter("Light files", &endings(["lp"].into_iter())).pick_file().into_iter().collect()
+                dialog.add_filter("Light files", &endings(["lp", "dome"].into_iter())).pick_file().into_iter().collect()
             }
             Choose::NewFile => dialog.save_file().into_iter().collect(),
         }

@@ -69,7 +69,7 @@ impl PicturesFound {
 }
 
 /// Digits by their value, all else by its letters.
-fn natural_key(text: &str) -> Vec<(String, u64)> {
+pub(crate) fn natural_key(text: &str) -> Vec<(String, u64)> {
     let mut key = Vec::new();
     let mut rest = text;
     while !rest.is_empty() {

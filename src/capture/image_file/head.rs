@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::open::open_file;
+use crate::open::{open_file, refusal};
 
 use super::read::{BYTE_LIMIT, Source};
 use super::{Format, ImageError, Metadata};
@@ -57,7 +57,7 @@ impl<'a> Opened<'a> {
     /// Reads the first bytes and no more.
     pub fn open(path: &'a Path) -> Result<Self, ImageError> {
         let unreadable = |reason: String| ImageError::Unreadable { path: path.to_path_buf(), reason };
-        let (file, length) = open_file(path, BYTE_LIMIT as u64).map_err(|error| unreadable(error.to_string()))?;
+        let (file, length) = open_file(path, BYTE_LIMIT as u64).map_err(|error| unreadable(refusal(path, &error)))?;
         let source = Source { path, length: length as usize };
         let mut first = Vec::new();
         (&file).take(16).read_to_end(&mut first).map_err(|error| source.unreadable(error))?;

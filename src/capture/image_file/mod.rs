@@ -31,6 +31,7 @@ mod read;
 mod repeats;
 mod samples;
 mod subprocess;
+mod taken;
 mod texture;
 mod tiff_in;
 mod tiff_page;
@@ -47,6 +48,7 @@ pub use encoding::{Channel, Encoding};
 pub use error::ImageError;
 pub use exr_in::layer_names;
 pub use exr_out::{ExrLayer, write_exr};
+pub(crate) use find::natural_key;
 pub use find::{MAX_LOOKED_AT, MAX_PICTURES, PicturesFound, pictures_in};
 pub use format::Format;
 pub use head::{PictureSize, picture_metadata, picture_size};
@@ -57,6 +59,7 @@ pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_
 pub use read::{Content, ReadOptions, read_image, read_image_as};
 pub use repeats::{NoiseBin, RepeatNoise};
 pub use subprocess::{DECODE_COMMAND, DecodeLimits, decode_for_parent, decode_in};
+pub use taken::{TimeTaken, time_taken};
 pub use texture::texture_png;
 pub use warning::ImageWarning;
 

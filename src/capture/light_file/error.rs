@@ -24,7 +24,7 @@ pub enum LightFileProblem {
         reason: String,
     },
     /// Not text.
-    #[error("is no text file in UTF-8; a light file has a line with the count, then lines 'file x y z'")]
+    #[error("is no text file; a light file has a line with the count, then lines 'file x y z'")]
     NotText,
     /// No line.
     #[error("holds no light; it should begin with their count, then have a line 'file x y z' for each")]
@@ -55,6 +55,26 @@ pub enum LightFileProblem {
         /// What is there.
         found: String,
     },
+    /// Four numbers at the end of a line.
+    #[error(
+        "four numbers in '{found}': which three are the direction? leave the other out, or put the file name in quotes"
+    )]
+    FourNumbers {
+        /// What is there.
+        found: String,
+    },
+    /// A JSON file that is no dome.
+    #[error("is no dome: {reason}")]
+    NotADome {
+        /// Why not.
+        reason: String,
+    },
+    /// Every direction has a negative z.
+    #[error(
+        "all its directions point away from the camera (z < 0); z points toward the camera and a direction from the object \
+         to the light: turn them by changing the sign of z, or of x, y and z where they point from the light to the object"
+    )]
+    PointAway,
     /// No direction.
     #[error("the direction of {file} is {found}, which points nowhere: three finite numbers, not all zero, are needed")]
     NoDirection {

@@ -1,9 +1,11 @@
 //! Light files (`.lp`) of reflectance transformation imaging: a line with the count, then a line `file x y z` for each
 //! photo, with the direction to its light: x right, y up, z toward the camera, which is the object frame.
 //!
-//! RTIBuilder, RelightLab and the PTM tools read and write them.
+//! RTIBuilder, RelightLab and the PTM tools read and write them. Relight's domes (`.dome`) are read as well.
 
 mod assign;
+mod dome;
+mod encoding;
 mod error;
 mod read;
 

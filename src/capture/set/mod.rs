@@ -8,6 +8,7 @@ mod check;
 mod consistency;
 mod edit;
 mod fields;
+mod found;
 mod guess;
 mod method;
 mod model;
@@ -27,7 +28,10 @@ mod tests;
 
 pub use crate::atomic::FILE_NAME;
 pub use consistency::{MAX_COLOURS, MAX_LIGHTS};
-pub use guess::{Became, Guess, GuessOptions, Pattern, PatternError, add_files, assign, propose};
+pub use guess::{
+    Became, Doubt, Guess, GuessOptions, Pattern, PatternError, Place, TakenOrder, add_files, assign, is_mask_name,
+    named_subjects, order_taken, plan, propose, put,
+};
 pub use method::Method;
 pub use model::*;
 pub use number::Number;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
 
+use super::found::as_windows_finds;
 use super::method::Method;
 use super::model::*;
 use super::number::length;
@@ -18,9 +19,10 @@ impl CaptureSet {
         self.folder.file_name().map_or_else(|| "Untitled".into(), |name| name.to_string_lossy().into_owned())
     }
 
-    /// Where a path that the file writes lies: relative ones start from the set's folder.
+    /// Where a path that the file writes lies: relative ones start from the set's folder. Where nothing of that name is
+    /// there, the one file that Windows would take for it.
     pub fn resolve(&self, written: &str) -> PathBuf {
-        self.folder.join(written)
+        as_windows_finds(self.folder.join(written))
     }
 
     /// How the file writes a path: from the set's folder where it lies below it, with slashes on every system.

@@ -69,7 +69,7 @@ struct SubjectRow {
     matte: bool,
     light: Naming,
     colour: Naming,
-    /// Words for it in the names of files.
+    /// Words that mean it by themselves in the names of files.
     names: &'static [&'static str],
 }
 
@@ -81,6 +81,8 @@ struct SphereRow {
     subject: Subject,
     /// What it is looked at for.
     gives: &'static [BallValue],
+    /// Words that mean it in the names of files beside a word for a ball.
+    made_of: &'static [&'static str],
 }
 
 impl Subject {
@@ -94,7 +96,38 @@ impl Subject {
                 matte: true,
                 light: Required,
                 colour: Required,
-                names: &["object", "obj", "scene", "sample", "target"],
+                names: &[
+                    "object",
+                    "obj",
+                    "scene",
+                    "sample",
+                    "target",
+                    "specimen",
+                    "objekt",
+                    "objekte",
+                    "szene",
+                    "motiv",
+                    "objet",
+                    "scène",
+                    "échantillon",
+                    "objeto",
+                    "escena",
+                    "muestra",
+                    "oggetto",
+                    "oggetti",
+                    "scena",
+                    "campione",
+                    "物体",
+                    "物件",
+                    "对象",
+                    "對象",
+                    "样品",
+                    "対象",
+                    "対象物",
+                    "被写体",
+                    "試料",
+                    "オブジェクト",
+                ],
             },
             Self::GreySphere => SubjectRow {
                 word: "grey-sphere",
@@ -103,7 +136,7 @@ impl Subject {
                 matte: true,
                 light: Required,
                 colour: Required,
-                names: &["grey-sphere", "gray-sphere", "grey-ball", "gray-ball", "grey", "gray"],
+                names: &["grey", "gray", "grau", "gris", "grise", "grigio", "grigia", "灰色", "グレー"],
             },
             Self::MaterialSphere => SubjectRow {
                 word: "material-sphere",
@@ -112,7 +145,7 @@ impl Subject {
                 matte: true,
                 light: Required,
                 colour: Required,
-                names: &["material-sphere", "material-ball", "material", "paint-ball", "paint-sphere", "paint"],
+                names: &["material", "paint"],
             },
             Self::MirrorSphere => SubjectRow {
                 word: "mirror-sphere",
@@ -121,7 +154,20 @@ impl Subject {
                 matte: false,
                 light: Required,
                 colour: Optional,
-                names: &["mirror-sphere", "mirror-ball", "mirror", "chrome-ball", "chrome-sphere", "chrome"],
+                names: &[
+                    "mirror",
+                    "chrome",
+                    "spiegel",
+                    "chrom",
+                    "miroir",
+                    "espejo",
+                    "specchio",
+                    "light-probe",
+                    "镜面",
+                    "鏡面",
+                    "ミラー",
+                    "クロム",
+                ],
             },
             Self::Dark => SubjectRow {
                 word: "dark",
@@ -130,7 +176,18 @@ impl Subject {
                 matte: false,
                 light: Refused,
                 colour: Refused,
-                names: &["dark", "darks", "dark-frame", "black"],
+                names: &[
+                    "dark",
+                    "dark-frame",
+                    "black",
+                    "dunkel",
+                    "dunkelbild",
+                    "oscuro",
+                    "buio",
+                    "暗场",
+                    "暗電流",
+                    "ダーク",
+                ],
             },
             Self::FlatField => SubjectRow {
                 word: "flat-field",
@@ -139,7 +196,7 @@ impl Subject {
                 matte: false,
                 light: Optional,
                 colour: Optional,
-                names: &["flat-field", "flat", "flats", "white"],
+                names: &["flat-field", "flat", "white", "weißbild", "平场", "フラット"],
             },
         }
     }
@@ -174,7 +231,7 @@ impl Subject {
         self.row().colour
     }
 
-    /// Words for it in the names of files; a hyphen stands for any or no separator.
+    /// Words that mean it by themselves in the names of files; a hyphen stands for any or no separator.
     pub(super) fn names(self) -> &'static [&'static str] {
         self.row().names
     }
@@ -189,16 +246,91 @@ impl SphereKind {
                 title: "Grey ball",
                 subject: Subject::GreySphere,
                 gives: &[Alpha, Intensity, Direction],
+                made_of: &[
+                    "grey",
+                    "gray",
+                    "grau",
+                    "graue",
+                    "gris",
+                    "grise",
+                    "grigio",
+                    "grigia",
+                    "grigie",
+                    "neutral",
+                    "灰",
+                    "灰色",
+                    "グレー",
+                    "グレイ",
+                ],
             },
             Self::Material => SphereRow {
                 word: "material",
                 title: "Ball of the paint",
                 subject: Subject::MaterialSphere,
                 gives: &[Beta],
+                made_of: &[
+                    "material",
+                    "paint",
+                    "painted",
+                    "farb",
+                    "lack",
+                    "lackierte",
+                    "peinte",
+                    "peinture",
+                    "pintada",
+                    "pintura",
+                    "verniciata",
+                    "materiale",
+                    "涂料",
+                    "塗料",
+                    "塗装",
+                    "材料",
+                ],
             },
-            Self::Mirror => {
-                SphereRow { word: "mirror", title: "Mirror ball", subject: Subject::MirrorSphere, gives: &[Direction] }
-            }
+            Self::Mirror => SphereRow {
+                word: "mirror",
+                title: "Mirror ball",
+                subject: Subject::MirrorSphere,
+                gives: &[Direction],
+                made_of: &[
+                    "mirror",
+                    "mirrored",
+                    "chrome",
+                    "chromed",
+                    "steel",
+                    "black",
+                    "glossy",
+                    "shiny",
+                    "spiegel",
+                    "spiegelnde",
+                    "chrom",
+                    "stahl",
+                    "schwarze",
+                    "miroir",
+                    "chromée",
+                    "acier",
+                    "noire",
+                    "espejo",
+                    "cromo",
+                    "cromada",
+                    "acero",
+                    "negra",
+                    "specchio",
+                    "cromata",
+                    "acciaio",
+                    "nera",
+                    "镜",
+                    "镜面",
+                    "铬",
+                    "钢",
+                    "黑",
+                    "鏡",
+                    "鏡面",
+                    "ミラー",
+                    "クロム",
+                    "黒",
+                ],
+            },
         }
     }
 
@@ -210,6 +342,11 @@ impl SphereKind {
     /// The shots that a ball of this kind fills by itself.
     pub fn subject(self) -> Subject {
         self.row().subject
+    }
+
+    /// Words that mean it in the names of files beside a word for a ball.
+    pub(super) fn made_of(self) -> &'static [&'static str] {
+        self.row().made_of
     }
 
     /// Whether it is looked at for this value.
@@ -274,5 +411,8 @@ mod tests {
         let names: Vec<&str> = Subject::ALL.iter().flat_map(|subject| subject.names()).copied().collect();
         let once = |name: &&str| names.iter().filter(|other| other == &name).count() == 1;
         assert!(names.iter().all(once), "{names:?}");
+        let made_of: Vec<&str> = SphereKind::ALL.iter().flat_map(|kind| kind.made_of()).copied().collect();
+        let once = |name: &&str| made_of.iter().filter(|other| other == &name).count() == 1;
+        assert!(made_of.iter().all(once), "{made_of:?}");
     }
 }

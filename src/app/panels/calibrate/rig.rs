@@ -76,7 +76,7 @@ impl OtherLights {
     /// Directions that another program measured.
     pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
         ui.label(
-            "Directions of a light file (.lp) of RTI tools, by the names of its photos or else in the order of its lines. \
+            "Directions of a light file (.lp, .dome) of RTI tools, by the names of its photos or else in the order of its lines. \
              They count as typed values.",
         );
         let dialogs = session.dialogs();

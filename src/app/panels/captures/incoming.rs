@@ -5,9 +5,13 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{Button, ComboBox, Key, PopupCloseBehavior, RichText, Role, TextEdit, Ui, WidgetInfo};
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::set::{Became, GuessOptions, Naming, Pattern, Subject, Word, add_files, assign, propose};
+use firstbounce_capture::image_file::{TimeTaken, time_taken};
+use firstbounce_capture::set::{
+    Doubt, GuessOptions, Naming, Pattern, PatternError, Subject, Word, assign, is_mask_name, plan, propose, put,
+};
 
-use super::in_order::InOrder;
+use super::in_order::{InOrder, InPlace};
+use super::questions::{Questions, questions};
 use crate::app::state::session::Session;
 use crate::app::widgets::name_field::name_field;
 use crate::app::widgets::part::part;
@@ -15,37 +19,63 @@ use crate::app::widgets::part::part;
 /// Files that the user dropped, before they are the set's.
 pub struct Incoming {
     files: Vec<PathBuf>,
-    pattern: String,
+    /// When each was taken, as far as that is known.
+    times: HashMap<PathBuf, TimeTaken>,
+    /// The pattern as the user writes it, and as it is read.
+    pattern: (String, Result<Pattern, PatternError>),
     subject: Subject,
     rgb: bool,
-    by_hand: HashMap<PathBuf, Hand>,
+    questions: Questions,
+    /// The user's assignment of a file.
+    by_hand: HashMap<PathBuf, InPlace>,
     in_order: Option<InOrder>,
-}
-
-/// The user's assignment of a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Hand {
-    subject: Subject,
-    light: String,
-    colour: String,
 }
 
 /// What a file would become.
 enum Preview {
     Mask,
     Shots(String),
-    Unassigned(String),
+    Unassigned(Open),
+}
+
+/// Why a file would become nothing.
+enum Open {
+    NoPattern,
+    SecondMask,
+    /// The user has begun to say what it is.
+    Lacks(&'static str),
+    Doubt(Doubt),
+}
+
+impl Open {
+    fn words(&self) -> String {
+        match self {
+            Self::NoPattern => "the pattern cannot be read".into(),
+            Self::SecondMask => "a second mask: the set has one".into(),
+            Self::Lacks(name) => format!("choose a {name}"),
+            Self::Doubt(doubt) => doubt.to_string(),
+        }
+    }
 }
 
 impl Incoming {
     pub fn new(files: Vec<PathBuf>) -> Self {
         let proposed = propose(&files);
         let rgb = proposed.as_ref().is_some_and(|pattern| !pattern.names_colour());
-        // A pattern that explains little is worse than none: every unnamed file would be a lamp of its own.
-        let useful = proposed.filter(|pattern| pattern.names_colour() || pattern.names_subject());
-        let rgb = rgb && useful.is_some();
-        let pattern = useful.map_or_else(|| "{light}-{colour}".to_owned(), |pattern| pattern.to_string());
-        Self { files, pattern, subject: Subject::Object, rgb, by_hand: HashMap::new(), in_order: None }
+        let text = proposed.map_or_else(|| "{light}-{colour}".to_owned(), |pattern| pattern.to_string());
+        let pattern = (text.clone(), text.parse());
+        let times = files.iter().filter_map(|file| Some((file.clone(), time_taken(file)?))).collect();
+        let questions = Questions::default();
+        Self {
+            files,
+            times,
+            pattern,
+            subject: Subject::Object,
+            rgb,
+            questions,
+            by_hand: HashMap::new(),
+            in_order: None,
+        }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -55,6 +85,7 @@ impl Incoming {
     pub fn take_more(&mut self, more: Self) {
         let new: Vec<_> = more.files.into_iter().filter(|file| !self.files.contains(file)).collect();
         self.files.extend(new);
+        self.times.extend(more.times);
     }
 
     /// Shows the files; whether they are done with.
@@ -86,6 +117,9 @@ impl Incoming {
             }
             done |= ui.button("Discard").clicked();
         });
+        let doubts: Vec<(&Path, &Doubt)> =
+            self.files.iter().map(PathBuf::as_path).zip(&previews).filter_map(doubt).collect();
+        part(ui, "questions", |ui| questions(ui, &self.files, &doubts, &mut self.questions));
         let unassigned = previews.len() - assigned;
         if unassigned > 0 {
             let words = if unassigned == 1 { "is not recognised" } else { "are not recognised" };
@@ -104,22 +138,21 @@ impl Incoming {
     fn order(&mut self, ui: &mut Ui, set: &CaptureSet, previews: &[Preview]) {
         let open = self.files.iter().zip(previews).filter(|(_, preview)| matches!(preview, Preview::Unassigned(_)));
         let open: Vec<_> = open.map(|(file, _)| file.clone()).collect();
-        let in_order = self.in_order.get_or_insert_with(|| InOrder::new(set));
-        let said =
-            ui.collapsing("By the order in which they were taken", |ui| in_order.ui(ui, open.len())).body_returned;
-        let subject = in_order.subject;
-        for (file, (light, colour)) in open.into_iter().zip(said.flatten().unwrap_or_default()) {
-            self.by_hand.insert(file, Hand { subject, light, colour });
-        }
+        let in_order = self.in_order.get_or_insert_with(|| InOrder::new(set, &open));
+        let title = "By the order in which they were taken";
+        let said = ui.collapsing(title, |ui| in_order.ui(ui, &open, &self.times)).body_returned;
+        self.by_hand.extend(said.flatten().unwrap_or_default());
     }
 
     /// The pattern field and what goes with it; `None` while it is no pattern.
     fn options(&mut self, ui: &mut Ui) -> Option<GuessOptions> {
         let name = ui.label("Pattern of the names");
-        ui.add(TextEdit::singleline(&mut self.pattern).desired_width(f32::INFINITY)).labelled_by(name.id);
+        let (text, parsed) = &mut self.pattern;
+        if ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(name.id).changed() {
+            *parsed = text.parse();
+        }
         ui.label(RichText::new("{subject}  {light}  {colour}  {repeat}  {any}, [what may be absent]").small().weak());
-        let parsed = self.pattern.parse::<Pattern>();
-        if let Err(error) = &parsed {
+        if let Err(error) = parsed {
             ui.label(RichText::new(error.to_string()).color(ui.visuals().error_fg_color));
         }
         if parsed.as_ref().is_ok_and(|pattern| !pattern.names_subject()) {
@@ -128,24 +161,40 @@ impl Incoming {
         if parsed.as_ref().is_ok_and(|pattern| !pattern.names_colour()) {
             ui.checkbox(&mut self.rgb, "One RGB photo holds all colours");
         }
-        parsed.ok().map(|pattern| GuessOptions { pattern, subject: self.subject, rgb: self.rgb })
+        let Questions { folders, any_colour } = self.questions.clone();
+        parsed.clone().ok().map(|pattern| GuessOptions {
+            pattern,
+            subject: self.subject,
+            rgb: self.rgb,
+            any_colour,
+            folders,
+        })
     }
 
     /// Makes shots of the files in `set`; what each became.
     fn apply(&self, set: &mut CaptureSet, options: Option<&GuessOptions>) -> Vec<Preview> {
+        let is_read = |file: &&PathBuf| !self.by_hand.contains_key(*file) && !is_mask_name(file);
+        let read: Vec<&PathBuf> = self.files.iter().filter(is_read).collect();
+        let mut places = options.map(|options| plan(set, &read, options)).unwrap_or_default().into_iter();
+        let mut has_mask = false;
         let mut preview = |file: &PathBuf| {
             if let Some(hand) = self.by_hand.get(file) {
                 return by_hand(set, file, hand);
             }
-            if file.file_stem().is_some_and(|stem| stem.eq_ignore_ascii_case("mask")) {
+            if is_mask_name(file) {
+                if std::mem::replace(&mut has_mask, true) {
+                    return Preview::Unassigned(Open::SecondMask);
+                }
                 set.mask = Some(set.written(file));
                 return Preview::Mask;
             }
-            let Some(options) = options else { return Preview::Unassigned("the pattern cannot be read".into()) };
-            match add_files(set, std::slice::from_ref(file), options).pop() {
-                Some(Became::Shots(shots)) => Preview::Shots(described(set, &shots)),
-                Some(Became::Unassigned(reason)) => Preview::Unassigned(reason),
-                None => Preview::Unassigned(String::new()),
+            match places.next() {
+                Some(Ok(place)) => {
+                    let shots = put(set, file, &place);
+                    Preview::Shots(described(set, &shots))
+                }
+                Some(Err(doubt)) => Preview::Unassigned(Open::Doubt(doubt)),
+                None => Preview::Unassigned(Open::NoPattern),
             }
         };
         self.files.iter().map(&mut preview).collect()
@@ -160,8 +209,8 @@ impl Incoming {
             Preview::Shots(words) => {
                 ui.label(format!("{shown}: {words}"));
             }
-            Preview::Unassigned(reason) => {
-                ui.label(RichText::new(format!("{shown}: {reason}")).color(ui.visuals().warn_fg_color));
+            Preview::Unassigned(open) => {
+                ui.label(RichText::new(format!("{shown}: {}", open.words())).color(ui.visuals().warn_fg_color));
             }
         }
         let known = self.by_hand.contains_key(file);
@@ -186,12 +235,19 @@ impl Incoming {
     }
 
     /// The next file is likely to show what the last one did.
-    fn next_hand(&self) -> Hand {
-        Hand { subject: self.subject, light: String::new(), colour: String::new() }
+    fn next_hand(&self) -> InPlace {
+        InPlace { subject: self.subject, light: String::new(), colour: String::new() }
     }
 
-    fn typed<'a>(&'a self, name: fn(&'a Hand) -> &'a String) -> impl Iterator<Item = &'a str> {
+    fn typed<'a>(&'a self, name: fn(&'a InPlace) -> &'a String) -> impl Iterator<Item = &'a str> {
         self.files.iter().filter_map(|file| self.by_hand.get(file)).map(move |hand| name(hand).as_str())
+    }
+}
+
+fn doubt<'p>((file, preview): (&'p Path, &'p Preview)) -> Option<(&'p Path, &'p Doubt)> {
+    match preview {
+        Preview::Unassigned(Open::Doubt(doubt)) => Some((file, doubt)),
+        Preview::Unassigned(_) | Preview::Mask | Preview::Shots(_) => None,
     }
 }
 
@@ -210,16 +266,16 @@ fn count_of(files: usize) -> String {
     if files == 1 { "1 file".into() } else { format!("{files} files") }
 }
 
-fn by_hand(set: &mut CaptureSet, file: &Path, hand: &Hand) -> Preview {
+fn by_hand(set: &mut CaptureSet, file: &Path, hand: &InPlace) -> Preview {
     let given = |name: &String| Some(name.trim().to_owned()).filter(|name| !name.is_empty());
     let (subject, refused) = (hand.subject, Naming::Refused);
     let light = given(&hand.light).filter(|_| subject.light() != refused);
     let colour = given(&hand.colour).filter(|_| subject.colour() != refused);
     if light.is_none() && subject.light() == Naming::Required {
-        return Preview::Unassigned("choose a light".into());
+        return Preview::Unassigned(Open::Lacks("light"));
     }
     if colour.is_none() && subject.colour() == Naming::Required {
-        return Preview::Unassigned("choose a colour".into());
+        return Preview::Unassigned(Open::Lacks("colour"));
     }
     let index = assign(set, file, hand.subject, light.as_deref(), colour.as_deref());
     Preview::Shots(described(set, &[index]))

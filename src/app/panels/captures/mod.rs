@@ -5,6 +5,7 @@ mod in_order;
 mod incoming;
 mod mask;
 mod names;
+mod questions;
 mod shot;
 mod table;
 

@@ -35,6 +35,11 @@ impl BallPhotos {
         }
         Ok(Self(photos))
     }
+
+    /// The photos of every subject that was read.
+    pub fn by_subject(&self) -> impl Iterator<Item = (Subject, &SubjectPhotos)> {
+        self.0.iter().map(|(subject, photos)| (*subject, &**photos))
+    }
 }
 
 /// The balls that have to be looked at: all, or those whose values the file does not give.

@@ -1,6 +1,7 @@
 //! Balls to alpha, beta, intensity and direction; what the capture file gives can win over what is measured.
 
 mod balls;
+mod depth;
 mod direction;
 mod doubt;
 mod measure;
@@ -312,7 +313,10 @@ pub fn calibrate_with(
 ) -> Result<Calibrated, PipelineError> {
     let photos = BallPhotos::load(set, preference, store, watch)?;
     watch.progress(Stage::Calibrate, 0.5);
-    measure::Measuring::new(set, preference, &photos)?.run()
+    let mut calibrated = measure::Measuring::new(set, preference, &photos)?.run()?;
+    let coarse = depth::coarse_balls(set, photos.by_subject(), store, watch)?;
+    calibrated.warnings.extend(coarse.iter().map(ToString::to_string));
+    Ok(calibrated)
 }
 
 /// As [`calibrate`]; beta that no ball and no file gives is measured on the object where that is possible.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use firstbounce_core::image::mask::Combine;
 use firstbounce_core::image::noise::{NoiseModel, NoiseSource, estimate_noise};
 use firstbounce_core::image::photo::DARK;
 use firstbounce_core::{Mask, Photo, Plane};
@@ -10,7 +11,7 @@ use rayon::prelude::*;
 use super::super::{PipelineError, PipelineWatch};
 use super::{PhotoStore, SubjectPhotos, load_subject};
 use crate::image_file::{ImageWarning, LinearLight, MaskFile, read_mask};
-use crate::set::{CaptureSet, Subject};
+use crate::set::{CaptureSet, Circle, Subject};
 
 /// An object that fills the picture leaves no more of it dark under every lamp.
 const MAX_UNLIT_SHARE: f64 = 0.005;
@@ -70,9 +71,11 @@ impl ObjectPhotos {
                 mask
             }
             None => {
-                let mask = Mask::brighter_part(&brightest(taken.iter().map(|row| &*row[0].photo)));
+                let mut mask = Mask::brighter_part(&brightest(taken.iter().map(|row| &*row[0].photo)));
+                let balls = leave_out_balls(set, &mut mask);
+                let without = if balls > 0 { ", without the balls in the scene" } else { "" };
                 warnings.push(format!(
-                    "no mask given: the object is taken to be the {} brighter pixels of {}",
+                    "no mask given: the object is taken to be the {} brighter pixels of {}{without}",
                     mask.count(),
                     size.0 * size.1
                 ));
@@ -88,6 +91,19 @@ impl ObjectPhotos {
         let photos = taken.into_iter().map(|row| row.into_iter().map(|shot| shot.photo.clone()).collect()).collect();
         Ok(Self { photos, noise, mask, mask_warnings, warnings })
     }
+}
+
+/// A ball's edge in a photo is blurred beyond its circle.
+const BALL_EDGE_PX: f64 = 2.0;
+
+/// Takes the balls that lie beside the object out of an automatic mask; how many there are.
+fn leave_out_balls(set: &CaptureSet, mask: &mut Mask) -> usize {
+    let balls: Vec<_> = set.spheres_in(Subject::Object).collect();
+    for ball in &balls {
+        let Circle { centre, radius } = ball.circle;
+        mask.combine(&Mask::stroke(mask.size(), &[centre], radius + BALL_EDGE_PX), Combine::Remove);
+    }
+    balls.len()
 }
 
 /// The noise of a shot: of a bracket that of its exposures together; else from the camera's numbers, else from its repeats, else from its grain.
@@ -132,4 +148,28 @@ fn brightest<'a>(mut photos: impl Iterator<Item = &'a Photo>) -> Plane {
         brightest.data_mut().par_iter_mut().zip(photo.linear.data()).for_each(|(most, light)| *most = most.max(*light));
         brightest
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::set::{Sphere, SphereKind};
+
+    #[test]
+    fn an_automatic_mask_leaves_out_the_balls_that_lie_beside_the_object() {
+        let circle = Circle { centre: [20.0, 10.0], radius: 4.0 };
+        let beside = Sphere { subject: Subject::Object, kind: SphereKind::Grey, circle };
+        let alone = Sphere { subject: Subject::MirrorSphere, kind: SphereKind::Mirror, ..beside };
+        let picture = Plane::from_fn(30, 20, |x, y| {
+            let in_ball = (x as f64 - 19.5).hypot(y as f64 - 9.5) < 4.0;
+            if x < 10 || in_ball { 1.0 } else { 0.0 }
+        });
+        let mut mask = Mask::brighter_part(&picture);
+        let mut set = CaptureSet { spheres: vec![alone], ..CaptureSet::default() };
+        assert_eq!(leave_out_balls(&set, &mut mask), 0);
+        assert!(mask.count() > 200);
+        set.spheres.push(beside);
+        assert_eq!(leave_out_balls(&set, &mut mask), 1);
+        assert_eq!(mask.count(), 200);
+    }
 }

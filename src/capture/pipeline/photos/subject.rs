@@ -1,5 +1,6 @@
 //! The photos of one subject, by light and colour.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use firstbounce_core::Photo;
@@ -33,6 +34,20 @@ impl SubjectPhotos {
     /// Every photo.
     pub fn all(&self) -> impl Iterator<Item = &Photo> {
         self.shots.values().map(|shot| &*shot.photo)
+    }
+
+    /// The first file of few levels whose shot does not say by itself how its values are encoded.
+    pub fn coarse_file(&self, set: &CaptureSet, subject: Subject) -> Option<&Path> {
+        let has_encoding = |&(light, colour): &(usize, Option<usize>)| {
+            let light = set.lights.get(light).map(|light| light.name.as_str());
+            let colour = colour.and_then(|colour| set.colours.get(colour)).map(|colour| colour.name.as_str());
+            set.shot(subject, light, colour).is_some_and(|shot| shot.encoding.is_some())
+        };
+        let open = self.shots.iter().filter(|(shot, _)| !has_encoding(shot));
+        open.flat_map(|(_, light)| &light.warnings).find_map(|warning| match warning {
+            ImageWarning::EightBit { path } => Some(path.as_path()),
+            _ => None,
+        })
     }
 
     /// Puts shots together that were read; all must be there and have one size.

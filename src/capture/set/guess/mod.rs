@@ -1,27 +1,48 @@
 //! Subject, light and colour from the names of files, by a pattern that the user can see and change.
 
+mod doubt;
+mod exposure;
+mod name;
+mod order;
 mod pattern;
+mod plan;
 mod propose;
 #[cfg(test)]
 mod tests;
+mod words;
 
-use std::path::Path;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
+pub use doubt::Doubt;
+pub use order::{TakenOrder, order_taken};
 pub use pattern::{Guess, Pattern, PatternError};
+pub use plan::{Place, named_subjects, plan};
 pub use propose::propose;
 
 use super::model::{CaptureSet, Channel, Colour, Shot};
-use super::subject::{Naming, Subject};
+use super::subject::Subject;
 
 /// How files become shots.
 #[derive(Clone, Debug)]
 pub struct GuessOptions {
     /// How their names are built.
     pub pattern: Pattern,
-    /// What files show whose pattern has no `{subject}`.
+    /// What files show whose names have no word for a subject.
     pub subject: Subject,
     /// Whether a file that names no colour is an RGB photo under lamps of all colours at once: a shot for each colour.
     pub rgb: bool,
+    /// Whether any word in its place is a colour, and not only a word for one or a colour of the set.
+    pub any_colour: bool,
+    /// What the files in these folders show, as the user says.
+    pub folders: HashMap<PathBuf, Subject>,
+}
+
+impl GuessOptions {
+    /// Photos of the object whose names are built by `pattern`, each in one colour.
+    pub fn of(pattern: Pattern) -> Self {
+        Self { pattern, subject: Subject::Object, rgb: false, any_colour: false, folders: HashMap::new() }
+    }
 }
 
 /// What a file became.
@@ -29,42 +50,37 @@ pub struct GuessOptions {
 pub enum Became {
     /// A file of these shots of the set, by index; several for an RGB photo.
     Shots(Vec<usize>),
-    /// Nothing: the name does not follow the pattern, or leaves out what the subject needs. In words.
-    Unassigned(String),
+    /// Nothing, for it is in doubt what it is.
+    Unassigned(Doubt),
 }
 
 /// Makes shots of files and adds them to a set, with the lights and colours that they name; reports for each file what it
 /// became. A dark frame or flat field that its name alone shows is one, unless the pattern names subjects. A file that the
 /// set already names in the same shot is not added twice.
 pub fn add_files<P: AsRef<Path>>(set: &mut CaptureSet, files: &[P], options: &GuessOptions) -> Vec<Became> {
-    let mut add = |file: &Path| {
-        let guess = options.pattern.read(file);
-        let tells_subject = guess.as_ref().is_some_and(|guess| guess.subject.is_some());
-        match (pattern::correction_of_name(file).filter(|_| !tells_subject), guess) {
-            (Some(subject), _) => Became::Shots(vec![assign(set, file, subject, None, None)]),
-            (None, Some(guess)) => add_file(set, file, &guess, options),
-            (None, None) => Became::Unassigned(format!("does not follow {}", options.pattern)),
-        }
+    let places = plan(set, files, options);
+    let mut put = |(file, place): (&P, Result<Place, Doubt>)| match place {
+        Ok(place) => Became::Shots(put(set, file.as_ref(), &place)),
+        Err(doubt) => Became::Unassigned(doubt),
     };
-    files.iter().map(|file| add(file.as_ref())).collect()
+    files.iter().zip(places).map(&mut put).collect()
 }
 
-fn add_file(set: &mut CaptureSet, file: &Path, guess: &Guess, options: &GuessOptions) -> Became {
-    let subject = guess.subject.unwrap_or(options.subject);
-    let light = guess.light.as_deref().filter(|_| subject.light() != Naming::Refused);
-    let colour = guess.colour.as_deref().filter(|_| subject.colour() != Naming::Refused);
-    if light.is_none() && subject.light() == Naming::Required {
-        return Became::Unassigned(format!("a photo of {subject} needs a light"));
+/// Puts a file where it belongs; the indices of its shots.
+pub fn put(set: &mut CaptureSet, file: &Path, place: &Place) -> Vec<usize> {
+    let Place { subject, light, colour, rgb } = place;
+    if !rgb {
+        return vec![assign(set, file, *subject, light.as_deref(), colour.as_deref())];
     }
-    if colour.is_none() && subject.colour() == Naming::Required {
-        if !options.rgb {
-            return Became::Unassigned(format!("a photo of {subject} needs a colour"));
-        }
-        let colours = rgb_colours(set);
-        let shots = colours.iter().map(|colour| assign(set, file, subject, light, Some(colour)));
-        return Became::Shots(shots.collect());
-    }
-    Became::Shots(vec![assign(set, file, subject, light, colour)])
+    let colours = rgb_colours(set);
+    colours.iter().map(|colour| assign(set, file, *subject, light.as_deref(), Some(colour))).collect()
+}
+
+/// Whether the name of a file says that it is the object's mask.
+pub fn is_mask_name(file: &Path) -> bool {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let is_of_ball = named_subjects(&[file])[0].is_some_and(|subject| subject.sphere_kind().is_some());
+    words::is_mask(&stem) && !is_of_ball
 }
 
 /// Puts a file into the shot of a subject, light and colour, which is made if the set has none yet, as are light and

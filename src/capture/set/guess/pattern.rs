@@ -3,12 +3,14 @@
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
+use std::sync::OnceLock;
 
-use regex::{Captures, Regex, RegexBuilder};
+use regex::{Regex, RegexBuilder};
 use thiserror::Error;
 
 use super::super::subject::Subject;
-use super::super::word::Word;
+use super::name::names_of;
+use super::words;
 
 /// How the names of files are built: text with the fields `{subject}`, `{light}`, `{colour}`, `{repeat}` and `{any}`, and
 /// in brackets what may be absent: `{subject}/{light}-{colour}[-{repeat}]`.
@@ -20,8 +22,10 @@ pub struct Pattern {
     text: String,
     fields: Vec<Field>,
     folders: usize,
-    /// Tried in this order.
-    readings: [Regex; 2],
+    /// Takes words for colours alone.
+    strict: Regex,
+    /// Takes any word for a colour; made when it is needed.
+    loose: OnceLock<Option<Regex>>,
 }
 
 /// The fields of a name.
@@ -67,12 +71,6 @@ pub enum PatternError {
     NoField,
 }
 
-/// Words for colours, as lamps and channels are called.
-const COLOUR_WORDS: &[&str] = &[
-    "red", "green", "blue", "white", "cyan", "magenta", "yellow", "amber", "orange", "violet", "uv", "ir", "nir",
-    "lime", "r", "g", "b",
-];
-
 impl Field {
     const ALL: [Self; 5] = [Self::Subject, Self::Light, Self::Colour, Self::Repeat, Self::Any];
 
@@ -89,14 +87,10 @@ impl Field {
     /// As a regular expression; `strict` takes words for colours alone.
     fn expression(self, strict: bool) -> String {
         match self {
-            Self::Subject => {
-                let names = Subject::ALL.iter().flat_map(|subject| subject.names());
-                let words = names.map(|word| word.replace('-', "[-_ ]?"));
-                format!("(?<subject>{})", words.collect::<Vec<_>>().join("|"))
-            }
-            Self::Colour if strict => format!(r"(?<colour>{}|\d+ ?nm)", COLOUR_WORDS.join("|")),
+            Self::Subject => format!("(?<subject>{})", words::subject_field()),
+            Self::Colour if strict => format!("(?<colour>{})", words::colour_field()),
             Self::Light | Self::Colour => format!("(?<{}>[^/]+?)", self.word()),
-            Self::Repeat => r"(?<repeat>\d+)".into(),
+            Self::Repeat => "(?<repeat>[0-9]+)".into(),
             Self::Any => "[^/]*?".into(),
         }
     }
@@ -126,23 +120,24 @@ impl FromStr for Pattern {
         if !fields.iter().any(|field| matches!(field, Field::Subject | Field::Light | Field::Colour)) {
             return Err(PatternError::NoField);
         }
-        let expression = |strict: bool| {
-            let inner: String = pieces
-                .iter()
-                .map(|piece| match piece {
-                    Piece::Text(c) => regex::escape(c.encode_utf8(&mut [0; 4])),
-                    Piece::Field(field) => field.expression(strict),
-                    Piece::Open => "(?:".into(),
-                    Piece::Close => ")?".into(),
-                })
-                .collect();
-            // The only expressions that could be refused are those that the user made too large.
-            RegexBuilder::new(&format!("^{inner}$")).case_insensitive(true).build().map_err(|_| PatternError::NoField)
-        };
         let folders = pieces.iter().filter(|piece| matches!(piece, Piece::Text('/'))).count();
-        let readings = [expression(true)?, expression(false)?];
-        Ok(Self { text: text.to_owned(), fields, folders, readings })
+        // The only expressions that could be refused are those that the user made too large.
+        let strict = expression(&pieces, true).ok_or(PatternError::NoField)?;
+        Ok(Self { text: text.to_owned(), fields, folders, strict, loose: OnceLock::new() })
     }
+}
+
+fn expression(pieces: &[Piece], strict: bool) -> Option<Regex> {
+    let inner: String = pieces
+        .iter()
+        .map(|piece| match piece {
+            Piece::Text(c) => regex::escape(c.encode_utf8(&mut [0; 4])),
+            Piece::Field(field) => field.expression(strict),
+            Piece::Open => "(?:".into(),
+            Piece::Close => ")?".into(),
+        })
+        .collect();
+    RegexBuilder::new(&format!("^{inner}$")).case_insensitive(true).build().ok()
 }
 
 fn pieces(text: &str) -> Result<Vec<Piece>, PatternError> {
@@ -181,16 +176,30 @@ fn pieces(text: &str) -> Result<Vec<Piece>, PatternError> {
 }
 
 impl Pattern {
-    /// What the name of a file says; `None` where it does not follow the pattern.
+    /// What the name of a file says; `None` where it does not follow the pattern. Where the pattern has no subject, words
+    /// for one may stand at any place of the name.
     pub fn read(&self, file: &Path) -> Option<Guess> {
-        let mut parts: Vec<String> = file.parent()?.iter().map(|part| part.to_string_lossy().into_owned()).collect();
-        parts.push(file.file_stem()?.to_string_lossy().into_owned());
+        names_of(&[file]).pop()??.read(self)
+    }
+
+    /// What the parts of a path say, of which the last is the name without its extension. A colour is a word for one.
+    pub(super) fn read_strictly(&self, parts: &[String]) -> Option<Guess> {
+        self.read_by(&self.strict, parts)
+    }
+
+    /// The same where any word in its place is a colour.
+    pub(super) fn read_loosely(&self, parts: &[String]) -> Option<Guess> {
+        let loose = || pieces(&self.text).ok().and_then(|pieces| expression(&pieces, false));
+        self.read_by(self.loose.get_or_init(loose).as_ref()?, parts)
+    }
+
+    fn read_by(&self, reading: &Regex, parts: &[String]) -> Option<Guess> {
         let end = parts.get(parts.len().checked_sub(self.folders + 1)?..)?.join("/");
-        let captures = self.readings.iter().find_map(|reading| reading.captures(&end))?;
+        let captures = reading.captures(&end)?;
         let text = |field: Field| captures.name(field.word()).map(|found| found.as_str().to_owned());
         let repeat = text(Field::Repeat);
         Some(Guess {
-            subject: subject_of(&captures),
+            subject: captures.name("subject").and_then(|word| words::subject_of_word(word.as_str())),
             light: text(Field::Light),
             colour: text(Field::Colour),
             repeat: repeat.and_then(|digits| digits.parse().ok()),
@@ -208,23 +217,11 @@ impl Pattern {
     }
 }
 
-fn subject_of(captures: &Captures<'_>) -> Option<Subject> {
-    subject_of_word(captures.name("subject")?.as_str())
-}
-
-fn subject_of_word(word: &str) -> Option<Subject> {
-    let bare = word.to_lowercase().replace(['-', '_', ' '], "");
-    let means = |subject: &Subject| subject.names().iter().any(|word| word.replace('-', "") == bare);
-    Subject::ALL.iter().copied().find(means)
-}
-
-/// Dark frames and flat fields lie beside the photos and follow no pattern of theirs: "dark.png", "flat-03.tif". A lamp
-/// may well be called black or white.
-pub(super) fn correction_of_name(file: &Path) -> Option<Subject> {
-    let stem = file.file_stem()?.to_string_lossy();
-    let word = stem.trim_end_matches(|c: char| c.is_ascii_digit() || "-_ ".contains(c));
-    let is_correction = |subject: &Subject| matches!(subject, Subject::Dark | Subject::FlatField);
-    subject_of_word(word).filter(is_correction).filter(|_| !matches!(&*word.to_lowercase(), "black" | "white"))
+/// The folders of a file, and its name without the extension.
+pub(super) fn parts(file: &Path) -> Option<Vec<String>> {
+    let mut parts: Vec<String> = file.parent()?.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    parts.push(file.file_stem()?.to_string_lossy().into_owned());
+    Some(parts)
 }
 
 impl fmt::Display for Pattern {
@@ -237,10 +234,4 @@ impl PartialEq for Pattern {
     fn eq(&self, other: &Self) -> bool {
         self.text == other.text
     }
-}
-
-/// Whether a name is a word for a colour.
-pub(super) fn is_colour_word(name: &str) -> bool {
-    COLOUR_WORDS.contains(&name.to_lowercase().as_str())
-        || name.strip_suffix("nm").is_some_and(|digits| digits.trim_end().parse::<u32>().is_ok())
 }

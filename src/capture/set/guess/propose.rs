@@ -2,27 +2,18 @@
 
 use std::collections::HashSet;
 use std::path::Path;
+use std::sync::LazyLock;
 
 use super::super::subject::Naming;
-use super::pattern::{Guess, Pattern, is_colour_word};
+use super::name::{Name, names_of};
+use super::pattern::{Guess, Pattern};
+use super::words::is_camera_count;
 
 /// Between the parts of a name.
 const SEPARATORS: [&str; 4] = ["-", "_", ".", " "];
 
-/// The pattern under which most files have a light and a colour that make a full table; `None` where none explains a
-/// single file.
-pub fn propose<P: AsRef<Path>>(files: &[P]) -> Option<Pattern> {
-    candidates()
-        .filter_map(|text| text.parse::<Pattern>().ok())
-        .map(|pattern| (merit(&pattern, files), pattern))
-        .filter(|(merit, _)| merit.explained > 0 && merit.convinces)
-        // Of equals the first, which is the simplest.
-        .reduce(|best, next| if next.0.beats(&best.0) { next } else { best })
-        .map(|(_, pattern)| pattern)
-}
-
-/// Patterns from the usual to the unusual.
-fn candidates() -> impl Iterator<Item = String> {
+/// Patterns from the usual to the unusual, made once.
+static CANDIDATES: LazyLock<Vec<Pattern>> = LazyLock::new(|| {
     let mut lit: Vec<String> = vec!["{light}/{colour}[-{repeat}]".into(), "{colour}/{light}[-{repeat}]".into()];
     for separator in SEPARATORS {
         for (first, second) in [("light", "colour"), ("colour", "light")] {
@@ -32,8 +23,22 @@ fn candidates() -> impl Iterator<Item = String> {
     // Mirror balls are photographed in one colour, whose name is left out, and dark frames are only numbered.
     lit.extend(SEPARATORS.map(|separator| format!("{{light}}[{separator}{{colour}}][{separator}{{repeat}}]")));
     lit.push("{light}".into());
-    let subjects = ["", "{subject}/", "{subject}-", "{subject}_", "{subject} ", "{subject}."];
-    subjects.into_iter().flat_map(move |subject| lit.clone().into_iter().map(move |lit| format!("{subject}{lit}")))
+    // Words for a subject at any other place are found without a field for them.
+    let texts = ["{subject}/", ""].into_iter().flat_map(|subject| lit.iter().map(move |lit| format!("{subject}{lit}")));
+    texts.filter_map(|text| text.parse().ok()).collect()
+});
+
+/// The pattern under which most files have a light and a colour that make a full table; `None` where none explains a
+/// single file.
+pub fn propose<P: AsRef<Path>>(files: &[P]) -> Option<Pattern> {
+    let names: Vec<Name> = names_of(files).into_iter().flatten().collect();
+    CANDIDATES
+        .iter()
+        .map(|pattern| (merit(pattern, &names), pattern))
+        .filter(|(merit, _)| merit.explained > 0 && merit.convinces)
+        // Of equals the first, which is the simplest.
+        .reduce(|best, next| if next.0.beats(&best.0) { next } else { best })
+        .map(|(_, pattern)| pattern.clone())
 }
 
 /// How well a pattern explains files.
@@ -46,7 +51,8 @@ struct Merit {
     subjects: usize,
     /// Share of the cells of the light x colour tables that have a file.
     filled: f64,
-    /// Whether it is more than a coincidence: any two parts of a name could be a light and a colour.
+    /// Whether it is more than a coincidence: any two parts of a name could be a light and a colour, and a camera's
+    /// count is neither.
     convinces: bool,
     /// Different lights and colours: one word taken for many names is a worse explanation.
     names: usize,
@@ -60,27 +66,28 @@ impl Merit {
     }
 }
 
-fn merit<P: AsRef<Path>>(pattern: &Pattern, files: &[P]) -> Merit {
+fn merit(pattern: &Pattern, names: &[Name]) -> Merit {
     let enough = |guess: &Guess| {
         let subject = guess.subject.unwrap_or_default();
         // A pattern that names no colour at all is one of RGB photos.
         guess.colour.is_some() || subject.colour() != Naming::Required || !pattern.names_colour()
     };
-    let guesses: Vec<Guess> = files.iter().filter_map(|file| pattern.read(file.as_ref())).filter(enough).collect();
+    let lit = names.iter().filter(|name| name.correction.is_none() || pattern.names_subject());
+    let guesses: Vec<Guess> = lit.filter_map(|name| name.read_strictly(pattern)).filter(enough).collect();
     let named = |name: fn(&Guess) -> &Option<String>| guesses.iter().map(name).collect::<HashSet<_>>().len();
     let (lights, colours) = (named(|guess| &guess.light), named(|guess| &guess.colour));
     let subjects: HashSet<_> = guesses.iter().map(|guess| guess.subject).collect();
     let cells: HashSet<_> = guesses.iter().map(|guess| (guess.subject, &guess.light, &guess.colour)).collect();
-    let is_colour = |guess: &&Guess| guess.colour.as_deref().is_some_and(is_colour_word);
-    let colour_words = guesses.iter().filter(is_colour).count();
+    let colour_words = guesses.iter().filter(|guess| guess.colour.is_some()).count();
     let named_subjects = guesses.iter().filter(|guess| guess.subject.is_some()).count();
-    let full_table = lights > 1 && colours > 1 && cells.len() == subjects.len() * lights * colours;
+    let is_count = |light: &String| is_camera_count(light) || (colour_words == 0 && light.parse::<u64>().is_ok());
+    let counted = guesses.iter().filter_map(|guess| guess.light.as_ref()).filter(|light| is_count(light)).count();
     Merit {
         explained: guesses.len(),
         colour_words,
         subjects: named_subjects,
         filled: cells.len() as f64 / (subjects.len() * lights * colours).max(1) as f64,
-        convinces: colour_words > 0 || named_subjects > 0 || full_table || !pattern.names_colour(),
+        convinces: 2 * counted <= guesses.len() && (colour_words > 0 || named_subjects > 0),
         names: lights + colours,
     }
 }
