@@ -12,6 +12,7 @@ use firstbounce_capture::pipeline::{Calibrated, Preference, Source, Work, calibr
 use firstbounce_capture::report::{CalibrationRecord, Row};
 use firstbounce_capture::set::write_calibration;
 
+use super::circle::GivenCircle;
 use super::memory::MemoryArgs;
 use super::progress::Terminal;
 use super::table::{row, table};
@@ -24,6 +25,10 @@ pub struct CalibrateArgs {
     /// Take the directions from a light file of RTI tools, by the names of photos or else in order; the balls give the rest
     #[arg(long, value_name = "FILE.lp")]
     lights_from: Option<PathBuf>,
+    /// Where a ball is that is not found, or not where it is: grey, material or mirror=X,Y,RADIUS in pixels, =X,Y,X,Y,X,Y for
+    /// three points of its rim, or =grey for the circle of that ball
+    #[arg(long, value_name = "BALL=CIRCLE")]
+    circle: Vec<GivenCircle>,
     /// Put the values into capture.toml; its comments stay
     #[arg(long)]
     write: bool,
@@ -38,6 +43,9 @@ pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
     let mut set = CaptureSet::open(&args.set.path)?;
     args.memory.check(&set, Work::Calibrate)?;
+    for circle in &args.circle {
+        circle.put_into(&mut set, &terminal)?;
+    }
     let carried = args.lights_from.as_deref().map(|path| take_lights(&mut set, path)).transpose()?;
     let preference = if carried.is_some() { Preference::BallsUnderGivenLights } else { Preference::Balls };
     let calibrated = calibrate_also_on_object(&set, preference, &terminal);

@@ -69,3 +69,29 @@ fn two_sources_of_a_direction_that_disagree_are_both_named() {
     let warnings = words["warnings"].to_string();
     assert!(warnings.contains("mirror ball") && warnings.contains("shading of the grey ball"), "{warnings}");
 }
+
+#[test]
+fn a_ball_that_is_not_found_takes_its_circle_from_the_command_line() {
+    let place = tempfile::tempdir().unwrap();
+    let set = tiny_set::write(place.path());
+    let file = set.join("capture.toml");
+    let text = fs::read_to_string(&file).unwrap();
+    let without: Vec<_> =
+        text.split("\n\n").filter(|block| !block.contains("[[sphere]]\nsubject = \"mirror-sphere\"")).collect();
+    for circle in ["mirror=grey", "mirror=48,48,40", "mirror-sphere=88,48, 48,8, 8,48"] {
+        fs::write(&file, without.join("\n\n") + "\n").unwrap();
+        let args = ["calibrate", "tiny", "--json", "--write", "--circle", circle];
+        let words = firstbounce(place.path(), args).json();
+        assert_eq!(words["circle"]["mirror-sphere"]["radius"], 40.0, "{circle}");
+        assert!(fs::read_to_string(&file).unwrap().contains("subject = \"mirror-sphere\"\ncentre"), "{circle}");
+    }
+    for (wrong, code, part) in [
+        ("mirror=1,2", 2, "is no circle"),
+        ("ball=1,2,3", 2, "names no ball"),
+        ("mirror=1,1,2,2,3,3", 1, "lie on one line"),
+        ("mirror=1,2,-5", 1, "radius"),
+    ] {
+        let run = firstbounce(place.path(), ["calibrate", "tiny", "--circle", wrong]);
+        assert!(run.code == code && run.err.contains(part), "{wrong}: {} {}", run.code, run.err);
+    }
+}

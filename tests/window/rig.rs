@@ -83,6 +83,43 @@ fn the_arrow_keys_nudge_the_circle_and_undo_puts_it_back() {
 }
 
 #[test]
+fn a_ball_that_is_not_found_takes_its_circle_from_numbers_from_three_rim_points_or_from_the_grey_ball() {
+    let mut hands = calibrating();
+    let circle = |hands: &mut Hands| hands.session().document().set.circle(Subject::MirrorSphere, SphereKind::Mirror);
+    let is_true = |circle: Option<firstbounce_capture::set::Circle>| {
+        let circle = circle.unwrap();
+        let off = |found: f64, truth: f64| (found - truth).abs();
+        off(circle.centre[0], 100.0) < 1.0
+            && off(circle.centre[1], 100.0) < 1.0
+            && off(circle.radius, TRUE_RADIUS_PX) < 1.0
+    };
+    hands.session().edit("Forget the mirror ball", |document| {
+        document.set.spheres.retain(|sphere| sphere.subject != Subject::MirrorSphere);
+    });
+    hands.rest();
+    assert!(hands.sees("type its circle"));
+
+    hands.click_button("Same circle as the grey ball, mirror ball");
+    assert!(is_true(circle(&mut hands)));
+    hands.click_button("Forget mirror ball");
+    hands.rest();
+    assert_eq!(circle(&mut hands), None);
+
+    hands.type_number("Mirror ball, radius", "83");
+    assert!(is_true(circle(&mut hands)));
+    hands.click_button("Forget mirror ball");
+    hands.rest();
+
+    hands.click_button("Three rim points of mirror ball");
+    hands.steps();
+    assert!(hands.sees("click on its rim: 0 of 3 points"));
+    for point in [[183.3, 100.0], [100.0, 16.7], [41.0, 158.9]] {
+        hands.click_picture("Mirror ball, left", (200, 200), point);
+    }
+    assert!(is_true(circle(&mut hands)), "{:?}", circle(&mut hands));
+}
+
+#[test]
 fn a_typed_beta_wins_is_judged_at_once_and_goes_back_to_what_was_measured() {
     let mut hands = calibrating();
     let measured = hands.number("beta, green");

@@ -84,7 +84,7 @@ pub enum PipelineError {
         path: Option<PathBuf>,
     },
     /// A ball that was not found.
-    #[error("{subject}: {reason}")]
+    #[error("{subject}: {reason} (calibrate --circle, or Calibrate in the window)")]
     Ball {
         /// In which shots.
         subject: Subject,
@@ -100,6 +100,12 @@ pub enum PipelineError {
         ball: SphereKind,
         /// Why.
         reason: CalibrateError,
+    },
+    /// A ball that the set does not show.
+    #[error("the set has no {ball} ball: add its shots")]
+    NoBall {
+        /// Which.
+        ball: SphereKind,
     },
     /// Nothing tells a light's alpha.
     #[error(

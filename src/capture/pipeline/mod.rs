@@ -18,8 +18,8 @@ mod watch;
 
 pub use crate::set::Method;
 pub use calibrate::{
-    BallCircle, Calibrated, CircleDoubt, DirectionDoubt, Evidence, Known, Measured, Preference, RatioEvidence, Source,
-    Verdict, calibrate, calibrate_also_on_object, calibrate_for, calibrate_with,
+    BallCircle, BallNotFound, Calibrated, CircleDoubt, DirectionDoubt, Evidence, Known, Measured, Preference,
+    RatioEvidence, Source, Verdict, calibrate, calibrate_also_on_object, calibrate_for, calibrate_with, circle_of,
 };
 pub use compare::{Compared, ReferenceError, Registration, alignment_warnings, compare_meshes, read_comparable};
 pub use cost::{StageCost, peak_rss_bytes};

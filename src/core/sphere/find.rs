@@ -1,9 +1,10 @@
 //! From photos of a ball to its circle.
 
 use super::{
-    BallError, Circle, CircleReport,
+    BallError, Circle, CircleReport, Refusal, RefusedCircle,
     edges::{Window, edge_points, working_image},
     fit::fit_circle,
+    refusal::ellipse_axes,
     rim::rim_points,
     vote::propose,
 };
@@ -24,6 +25,9 @@ const LOOSE_RADII: f64 = 0.003;
 const LOOSE_PX: f64 = 0.3;
 /// Rim points of which the root mean square distance is more of the band's half width lie anywhere in it.
 const SCATTERED: f64 = 0.28;
+
+/// Where the edge of an ellipse is looked for, in radii to either side of the circle nearest to it.
+const ELLIPSE_BAND_RADII: f64 = 0.15;
 
 /// How to look for a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +100,7 @@ fn search(
     options: &CircleOptions,
 ) -> Result<CircleReport, BallError> {
     let mut found: Vec<CircleReport> = Vec::new();
-    let mut best_proposal: Option<(Circle, f64)> = None;
+    let mut refused: Option<(RefusedCircle, f64)> = None;
     for &window in windows {
         let scale = window.scale as f64;
         let points = edge_points(&working_image(images, window), EDGE_POINTS);
@@ -106,15 +110,19 @@ fn search(
         };
         let visible = |circle: &Circle| circle.radius_px >= MIN_WORKING_RADIUS && wanted(&in_photo(circle));
         for proposal in propose(&points, visible, PROPOSALS) {
-            let rough = in_photo(&proposal.circle);
-            if best_proposal.is_none_or(|(_, support)| proposal.support > support) {
-                best_proposal = Some((rough, proposal.support));
+            let circle = in_photo(&proposal.circle);
+            let measured = measure(images, &circle, 2.5 * scale + 2.0)
+                .and_then(|report| if wanted(&report.circle) { Ok(report) } else { Err(Refusal::Drifted) });
+            match measured {
+                Ok(report) => found.push(report),
+                Err(refusal) if refused.is_none_or(|(_, support)| proposal.support > support) => {
+                    refused = Some((RefusedCircle { circle, refusal }, proposal.support));
+                }
+                Err(_) => {}
             }
-            let measured = measure(images, &rough, 2.5 * scale + 2.0);
-            found.extend(measured.filter(|report| wanted(&report.circle)));
         }
     }
-    accept(best_of(found), best_proposal, options)
+    accept(best_of(found), refused.map(|(refused, _)| refused), options)
 }
 
 /// The circle with most merit; but where light ends on a ball looks like a fainter rim inside its true one, so among
@@ -133,15 +141,16 @@ fn best_of(found: Vec<CircleReport>) -> Option<CircleReport> {
 
 fn accept(
     found: Option<CircleReport>,
-    proposal: Option<(Circle, f64)>,
+    refused: Option<RefusedCircle>,
     options: &CircleOptions,
 ) -> Result<CircleReport, BallError> {
     match found {
         Some(found) if found.rim_seen >= options.min_rim_seen => Ok(found),
-        found => Err(BallError::NotFound {
-            best: found.map(|f| (f.circle, f.rim_seen)).or(proposal),
-            needed: options.min_rim_seen,
-        }),
+        Some(CircleReport { circle, rim_seen: seen, .. }) => {
+            let refusal = Refusal::RimSeen { seen, needed: options.min_rim_seen };
+            Err(BallError::NotFound { refused: Some(RefusedCircle { circle, refusal }) })
+        }
+        None => Err(BallError::NotFound { refused }),
     }
 }
 
@@ -152,13 +161,14 @@ fn merit(report: &CircleReport) -> f64 {
 }
 
 /// Follows the rim from a rough circle in ever narrower bands, and twice in the narrowest: wide enough for the blur of
-/// a lens that fills the sensor with a ball, narrow enough to leave the neighbourhood out. `None` where the points
-/// scatter over the band instead of lying on a circle.
-fn measure(images: &[&Plane], rough: &Circle, half_width_px: f64) -> Option<CircleReport> {
+/// a lens that fills the sensor with a ball, narrow enough to leave the neighbourhood out. Refuses points that scatter over
+/// the band instead of lying on a circle.
+fn measure(images: &[&Plane], rough: &Circle, half_width_px: f64) -> Result<CircleReport, Refusal> {
     let finest_px = (0.02 * rough.radius_px).clamp(3.0, 12.0);
     let every_pixel = ((std::f64::consts::TAU * rough.radius_px) as usize).clamp(180, 1440);
     let fit = |circle: &Circle, half_width: f64, places: usize| {
-        fit_circle(&rim_points(images, circle, half_width, places), places, circle)
+        let points = rim_points(images, circle, half_width, places);
+        fit_circle(&points, places, circle).ok_or(Refusal::Faint { seen: points.len() as f64 / places as f64 })
     };
     let mut circle = *rough;
     let mut half_width = half_width_px;
@@ -167,17 +177,30 @@ fn measure(images: &[&Plane], rough: &Circle, half_width_px: f64) -> Option<Circ
         let (x, y) = report.circle.centre_px;
         let moved = (x - rough.centre_px.0).hypot(y - rough.centre_px.1);
         if moved > 2.0 * half_width_px || !(0.5..2.0).contains(&(report.circle.radius_px / rough.radius_px)) {
-            return None;
+            return Err(Refusal::Drifted);
         }
         circle = report.circle;
         if half_width <= finest_px {
-            let loosest_px = LOOSE_PX.max(LOOSE_RADII * circle.radius_px);
-            let firm =
-                |report: &CircleReport| report.sd_px < loosest_px && report.residual_rms_px < SCATTERED * finest_px;
-            return fit(&circle, finest_px, every_pixel).filter(firm);
+            return firm(images, fit(&circle, finest_px, every_pixel)?, finest_px);
         }
         half_width = (0.5 * half_width).max(finest_px);
     }
+}
+
+/// A circle that its edge points hold.
+fn firm(images: &[&Plane], report: CircleReport, band_px: f64) -> Result<CircleReport, Refusal> {
+    let loosest_px = LOOSE_PX.max(LOOSE_RADII * report.circle.radius_px);
+    let widest_px = SCATTERED * band_px;
+    let is_loose = report.sd_px >= loosest_px;
+    if !is_loose && report.residual_rms_px < widest_px {
+        return Ok(report);
+    }
+    let around = rim_points(images, &report.circle, ELLIPSE_BAND_RADII * report.circle.radius_px, 180);
+    Err(match ellipse_axes(&around, &report.circle) {
+        Some(axes) => Refusal::Elliptic { axes },
+        None if is_loose => Refusal::Loose { sd_px: report.sd_px, allowed_px: loosest_px },
+        None => Refusal::Scattered { rms_px: report.residual_rms_px, allowed_px: widest_px },
+    })
 }
 
 fn common_size(images: &[&Plane]) -> Result<(usize, usize), BallError> {

@@ -1,6 +1,6 @@
 //! The surface of a ball behind its circle.
 
-use super::Circle;
+use super::{BallError, Circle};
 use nalgebra::Vector3;
 
 /// How the camera projects the ball.
@@ -98,6 +98,23 @@ impl Ball {
     }
 }
 
+/// The circle through three points of its rim, in pixels.
+///
+/// Errors: points on one line, or on one another.
+pub fn circle_through(points: [(f64, f64); 3]) -> Result<Circle, BallError> {
+    let [(ax, ay), (bx, by), (cx, cy)] = points;
+    let ((bx, by), (cx, cy)) = ((bx - ax, by - ay), (cx - ax, cy - ay));
+    let twice_area = bx * cy - by * cx;
+    let (b, c) = (bx * bx + by * by, cx * cx + cy * cy);
+    let longest = b.max(c).max((bx - cx).powi(2) + (by - cy).powi(2));
+    // A circle far larger than its points are apart is known from none of them.
+    if twice_area.is_nan() || twice_area.abs() <= 1e-3 * longest {
+        return Err(BallError::OnOneLine);
+    }
+    let (x, y) = ((cy * b - by * c) / (2.0 * twice_area), (bx * c - cx * b) / (2.0 * twice_area));
+    Ok(Circle { centre_px: (ax + x, ay + y), radius_px: x.hypot(y) })
+}
+
 /// The direction from the ball's centre to a lamp that its surface point `normal` sees in `direction`, the lamp being
 /// `distance_radii` ball radii from the centre.
 pub(crate) fn seen_from_centre(normal: Vector3<f64>, direction: Vector3<f64>, distance_radii: f64) -> Vector3<f64> {
@@ -111,6 +128,19 @@ mod tests {
     use super::*;
 
     const CIRCLE: Circle = Circle { centre_px: (100.0, 80.0), radius_px: 50.0 };
+
+    #[test]
+    fn three_points_of_a_rim_make_its_circle_and_three_on_a_line_none() {
+        let on_rim = |turn: f64| (100.0 + 50.0 * turn.cos(), 80.0 + 50.0 * turn.sin());
+        for turns in [[0.0, 2.0, 4.0], [5.0, 0.5, 1.2], [3.0, 3.4, 2.6]] {
+            let Circle { centre_px: (x, y), radius_px } = circle_through(turns.map(on_rim)).unwrap();
+            assert!((x - 100.0).abs() < 1e-9 && (y - 80.0).abs() < 1e-9 && (radius_px - 50.0).abs() < 1e-9);
+        }
+        let line = [(1.0, 1.0), (2.0, 2.0), (5.0, 5.0)];
+        for points in [line, [(3.0, 4.0); 3], [(0.0, 0.0), (1.0, 0.0), (1.0, 0.0)], [(f64::NAN, 0.0); 3]] {
+            assert_eq!(circle_through(points), Err(BallError::OnOneLine));
+        }
+    }
 
     #[test]
     fn the_mirror_law_holds_in_both_views() {

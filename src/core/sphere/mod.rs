@@ -7,12 +7,14 @@ mod edges;
 mod find;
 mod fit;
 mod geometry;
+mod refusal;
 mod rim;
 mod vote;
 
 pub use find::{CircleOptions, find_circle, refine_circle};
 pub(crate) use geometry::seen_from_centre;
-pub use geometry::{Ball, SurfacePoint, View};
+pub use geometry::{Ball, SurfacePoint, View, circle_through};
+pub use refusal::{Refusal, RefusedCircle};
 
 use crate::interval::Interval;
 use crate::options::OptionError;
@@ -81,29 +83,16 @@ pub enum BallError {
     /// An option out of its range.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// Too little of any circle's rim shows.
+    /// No circle that holds.
     #[error(
-        "no ball found: {}; it takes {:.0} %. Click inside the ball, or draw its circle by hand",
-        candidate(best),
-        needed * 100.0
+        "no ball found: {}. Give three points of its rim, its circle, or that of another ball in the same place",
+        refused.as_ref().map_or("no edge bends like a circle; the ball may be as dark as what lies behind it".to_owned(), ToString::to_string)
     )]
     NotFound {
-        /// The circle with most support and the fraction of its rim on which an edge was seen.
-        best: Option<(Circle, f64)>,
-        /// The fraction that was asked for.
-        needed: f64,
+        /// The circle with most support, and what speaks against it.
+        refused: Option<RefusedCircle>,
     },
-}
-
-fn candidate(best: &Option<(Circle, f64)>) -> String {
-    match best {
-        Some((circle, seen)) => format!(
-            "the best circle (centre {:.0} {:.0}, radius {:.0} px) shows {:.0} % of its rim",
-            circle.centre_px.0,
-            circle.centre_px.1,
-            circle.radius_px,
-            seen * 100.0
-        ),
-        None => "no edge bends like a circle".to_owned(),
-    }
+    /// Three points that no circle goes through.
+    #[error("the three points lie on one line: take them well apart on the rim")]
+    OnOneLine,
 }

@@ -4,7 +4,7 @@
 
 use firstbounce_core::calibrate::*;
 use firstbounce_core::image::photo::{CLIPPED, DARK};
-use firstbounce_core::sphere::{Ball, BallError, Circle, CircleOptions, View, find_circle, refine_circle};
+use firstbounce_core::sphere::{Ball, BallError, Circle, CircleOptions, Refusal, View, find_circle, refine_circle};
 use firstbounce_core::{Marks, Photo, Plane};
 use nalgebra::Vector3;
 use std::cell::Cell;
@@ -99,6 +99,27 @@ fn where_no_ball_shows_the_error_says_so() {
         assert!(matches!(error, BallError::NotFound { .. }), "{error}");
     }
     assert_eq!(find_circle(&[], None, &CircleOptions::default()), Err(BallError::NoImage));
+}
+
+#[test]
+fn a_circle_that_is_no_balls_is_refused_with_the_reason() {
+    let noise = Noise::new(21);
+    let refused = |photo: &Photo| match find_circle(&[&photo.linear], None, &CircleOptions::default()) {
+        Err(BallError::NotFound { refused }) => refused.map(|refused| refused.refusal),
+        other => panic!("{other:?}"),
+    };
+    // A ball far from the optical axis of a short lens.
+    let ellipse = |x: f64, y: f64| ((x - 80.0) / 62.0).hypot((y - 80.0) / 54.0) < 1.0;
+    let photo = photograph(&noise, |x, y| if ellipse(x, y) { 0.5 } else { 0.01 });
+    let refusal = refused(&photo);
+    assert!(matches!(refusal, Some(Refusal::Elliptic { axes }) if (1.1..1.2).contains(&axes)), "{refusal:?}");
+    // A quarter of a rim, the rest out of the light.
+    let quarter =
+        |x: f64, y: f64| ball().surface_at(x, y).map_or(0.0, |p| f64::from(p.normal.x > 0.1 && p.normal.y > 0.1));
+    let refusal = refused(&photograph(&noise, |x, y| 0.5 * quarter(x, y)));
+    assert!(refusal.is_some(), "{refusal:?}");
+    let error = find_circle(&[&photo.linear], None, &CircleOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("ellipse") && error.contains("three points of its rim"), "{error}");
 }
 
 #[test]

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use eframe::egui::{ComboBox, RichText, Ui};
 use firstbounce_capture::set::{Circle, Number, Sphere, SphereKind, Subject, Word};
-use firstbounce_core::sphere::{self, BallError, CircleOptions, CircleReport, find_circle, refine_circle};
+use firstbounce_core::sphere::{
+    self, BallError, CircleOptions, CircleReport, circle_through, find_circle, refine_circle,
+};
 
 use super::balls_of;
 use crate::app::base::keyed::Keyed;
@@ -36,11 +38,23 @@ pub struct Balls {
     pub in_scene: Option<SphereKind>,
     /// Whether a click on a ball's picture looks for its edge.
     pub click_finds: bool,
+    /// The ball whose rim is being clicked, and the points so far.
+    pub rim: Option<Rim>,
+}
+
+/// Points of a ball's rim, as they are clicked.
+pub struct Rim {
+    /// In which shots.
+    pub subject: Subject,
+    /// Of which ball.
+    pub kind: SphereKind,
+    /// In pixels of the photo.
+    pub points: Vec<[f64; 2]>,
 }
 
 impl Default for Balls {
     fn default() -> Self {
-        Self { finding: Keyed::default(), in_scene: None, click_finds: true }
+        Self { finding: Keyed::default(), in_scene: None, click_finds: true, rim: None }
     }
 }
 
@@ -83,7 +97,6 @@ impl Balls {
     fn ball(&mut self, ui: &mut Ui, session: &mut Session, subject: Subject, kind: SphereKind) {
         let title = kind.title();
         let document = session.document();
-        let placed = document.set.circle(subject, kind);
         let circle = circle_in_force(session, subject, kind);
         ui.horizontal_wrapped(|ui| {
             let shot = document.set.shots_of(subject).next().map(ShotName::of);
@@ -94,7 +107,7 @@ impl Balls {
             }
             ui.label(RichText::new(self.state_of(session, subject, kind)).weak());
         });
-        let Some(old) = circle else { return };
+        let old = circle.unwrap_or_else(|| circle_to_start_with(session, subject));
         let mut new = old;
         ui.horizontal_wrapped(|ui| {
             for (what, value) in [("x", 0), ("y", 1), ("radius", 2)] {
@@ -111,33 +124,80 @@ impl Balls {
                 });
             }
         });
-        ui.horizontal_wrapped(|ui| {
-            let ball = title.to_lowercase();
-            let button = |ui: &mut Ui, text: &str, name: String, hover: &str| {
-                ui.button(text).accessible_name(name).on_hover_text(hover).clicked()
-            };
-            if button(ui, "Find", format!("Find {ball}"), "Looks for the ball's edge in the whole photo") {
-                self.find(session, subject, kind, Look::Anywhere);
-            }
-            if button(ui, "Snap to edge", format!("Snap {ball} to its edge"), "Fits the circle to the edge nearby") {
-                self.find(session, subject, kind, Look::Under(old));
-            }
-            let forget = "Lets the program find the ball by itself";
-            if placed.is_some() && button(ui, "Forget", format!("Forget {ball}"), forget) {
-                session.edit(&format!("Forget the circle of the {ball}"), |document| {
-                    document.set.spheres.retain(|sphere| (sphere.subject, sphere.kind) != (subject, kind));
-                });
-            }
-        });
+        ui.horizontal_wrapped(|ui| self.buttons(ui, session, (subject, kind), circle));
         if new != old {
             move_ball(session, subject, kind, new);
         }
         ui.add_space(4.0);
     }
 
+    /// The ways to a circle, and the way back.
+    fn buttons(
+        &mut self,
+        ui: &mut Ui,
+        session: &mut Session,
+        (subject, kind): (Subject, SphereKind),
+        circle: Option<Circle>,
+    ) {
+        let ball = kind.title().to_lowercase();
+        let button = |ui: &mut Ui, text: &str, name: String, hover: &str| {
+            ui.button(text).accessible_name(name).on_hover_text(hover).clicked()
+        };
+        if button(ui, "Find", format!("Find {ball}"), "Looks for the ball's edge in the whole photo") {
+            self.find(session, subject, kind, Look::Anywhere);
+        }
+        let snap = "Fits the circle to the edge nearby";
+        if let Some(circle) = circle
+            && button(ui, "Snap to edge", format!("Snap {ball} to its edge"), snap)
+        {
+            self.find(session, subject, kind, Look::Under(circle));
+        }
+        let rim = "The next three clicks in its photo are points of its rim";
+        if button(ui, "Three rim points", format!("Three rim points of {ball}"), rim) {
+            self.rim = Some(Rim { subject, kind, points: Vec::new() });
+            if let Some(shot) = session.document().set.shots_of(subject).next().map(ShotName::of) {
+                session.views.show(Shown::Photo(shot));
+            }
+        }
+        let grey = session.document().set.subject_with(SphereKind::Grey);
+        let of_grey = grey.and_then(|grey| circle_in_force(session, grey, SphereKind::Grey));
+        let same = "For a ball that stood where the grey ball stood";
+        if kind != SphereKind::Grey
+            && let Some(circle) = of_grey
+            && button(ui, "Same circle as the grey ball", format!("Same circle as the grey ball, {ball}"), same)
+        {
+            move_ball(session, subject, kind, circle);
+        }
+        let forget = "Lets the program find the ball by itself";
+        let placed = session.document().set.circle(subject, kind).is_some();
+        if placed && button(ui, "Forget", format!("Forget {ball}"), forget) {
+            session.edit(&format!("Forget the circle of the {ball}"), |document| {
+                document.set.spheres.retain(|sphere| (sphere.subject, sphere.kind) != (subject, kind));
+            });
+        }
+    }
+
+    /// Takes a click as a point of a ball's rim; the third one makes its circle.
+    pub fn click_on_rim(&mut self, session: &mut Session, at: [f64; 2]) {
+        let Some(rim) = &mut self.rim else { return };
+        rim.points.push(at);
+        let &[a, b, c] = rim.points.as_slice() else { return };
+        let (subject, kind) = (rim.subject, rim.kind);
+        self.rim = None;
+        match circle_through([a, b, c].map(|[x, y]| (x, y))) {
+            Ok(sphere::Circle { centre_px: (x, y), radius_px: radius }) => {
+                move_ball(session, subject, kind, Circle { centre: [x, y], radius });
+            }
+            Err(error) => session.error(format!("{}: {error}", kind.title())),
+        }
+    }
+
     fn state_of(&self, session: &Session, subject: Subject, kind: SphereKind) -> String {
         if self.finding.runs(&(subject, kind)) {
             return "looking for its edge ...".into();
+        }
+        if let Some(rim) = self.rim.as_ref().filter(|rim| (rim.subject, rim.kind) == (subject, kind)) {
+            return format!("click on its rim: {} of 3 points", rim.points.len());
         }
         if session.document().set.circle(subject, kind).is_some() {
             return "placed".into();
@@ -145,7 +205,7 @@ impl Balls {
         let found = found_circle(session, subject, kind).and_then(|(_, report)| report);
         match found {
             Some(report) => format!("found by its edge, to {:.2} px", report.sd_px),
-            None => "not found yet: click on it in its photo".into(),
+            None => "not found yet: click on it in its photo, on three points of its rim, or type its circle".into(),
         }
     }
 
@@ -193,6 +253,15 @@ fn find(loaded: &Arc<Loaded>, subject: Subject, look: Look) -> Result<CircleRepo
             if anywhere.circle.radii_from_centre(x, y) < NEAR_RADII { Ok(anywhere) } else { Err(missed) }
         }),
     }
+}
+
+/// What x, y and radius start with where no circle is known: the middle of the photo.
+fn circle_to_start_with(session: &Session, subject: Subject) -> Circle {
+    let loaded = session.results.loaded();
+    let photos = loaded.iter().flat_map(|loaded| &loaded.shots).filter(|shot| shot.name.subject == subject);
+    let size = photos.filter_map(|shot| shot.photo.as_ref().ok()).map(|photo| photo.linear.size()).next();
+    let (width, height) = size.map_or((0.0, 0.0), |(width, height)| (width as f64, height as f64));
+    Circle { centre: [width / 2.0, height / 2.0], radius: (0.25 * width.min(height)).max(1.0) }
 }
 
 /// Puts a ball's circle where the user wants it.

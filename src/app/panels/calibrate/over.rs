@@ -34,9 +34,25 @@ pub fn ui(panel: &mut Calibrate, ui: &mut Ui, over: &Over<'_>, session: &mut Ses
             on_handle |= edit_circle(panel, ui, over, session, (shot.subject, kind), circle);
         }
     }
+    if panel.balls.rim.as_ref().is_some_and(|rim| rim.subject == shot.subject) {
+        draw_rim(panel, ui, over);
+        if let Some(at) = over.canvas.clicked.filter(|_| !on_handle) {
+            panel.balls.click_on_rim(session, at);
+        }
+        return;
+    }
     let wanted = shot.subject.sphere_kind().or(panel.balls.in_scene);
     if let (Some(at), Some(kind), true, false) = (over.canvas.clicked, wanted, panel.balls.click_finds, on_handle) {
         panel.balls.find(session, shot.subject, kind, Look::Near(at));
+    }
+}
+
+/// Marks the points of a rim that were clicked so far.
+fn draw_rim(panel: &Calibrate, ui: &mut Ui, over: &Over<'_>) {
+    let transform = &over.canvas.transform;
+    let painter = ui.painter().with_clip_rect(transform.rect.intersect(ui.clip_rect()));
+    for point in panel.balls.rim.iter().flat_map(|rim| &rim.points) {
+        painter.circle(transform.to_screen(*point), 4.0, CIRCLE, Stroke::new(1.0, Color32::BLACK));
     }
 }
 

@@ -157,6 +157,19 @@ fn edge_near(photos: &SubjectPhotos, given: &Circle) -> Option<CircleReport> {
     refine_circle(&planes, given, &options).ok()
 }
 
+/// The circle of a ball: the one that the set gives, else the one that its edge shows.
+///
+/// # Errors
+/// `NoBall` for a set without it, and what [`super::calibrate`] says of its photos and its edge.
+pub fn circle_of(set: &CaptureSet, kind: SphereKind, watch: &dyn PipelineWatch) -> Result<set::Circle, PipelineError> {
+    let subject = set.subject_with(kind).ok_or(PipelineError::NoBall { ball: kind })?;
+    if let Some(circle) = set.circle(subject, kind) {
+        return Ok(circle);
+    }
+    let photos = load_subject(set, subject, &PhotoStore::default(), watch)?;
+    Ok(find(&photos, subject, kind)?.sphere.circle)
+}
+
 /// How the camera sees a ball whose pictures have this size. Pictures that do not hold the optical axis are cut-outs from
 /// unknown places: there lines of sight count as parallel.
 fn view(set: &CaptureSet, size: (usize, usize)) -> View {

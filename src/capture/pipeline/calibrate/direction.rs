@@ -1,8 +1,8 @@
 //! The direction to each light: from the mirror ball, from the grey ball's shading, from both.
 
 use firstbounce_core::calibrate::{
-    DirectionEstimate, DirectionSource, HighlightOptions, HighlightReport, ShadingOptions, ShadingReport,
-    SourcedDirection, combine_directions, direction_from_shading, find_highlights,
+    CalibrateError, DirectionEstimate, DirectionSource, HighlightOptions, HighlightReport, ShadingOptions,
+    ShadingReport, SourcedDirection, combine_directions, direction_from_shading, find_highlights,
 };
 
 use nalgebra::Vector3;
@@ -38,9 +38,25 @@ pub(super) fn measure_direction(
     grey: Option<&BallShots>,
     typed: Option<[f64; 3]>,
 ) -> Result<MeasuredDirection, PipelineError> {
-    let shading = grey.map(|ball| shade(light, l, ball)).transpose()?.flatten();
-    let expected = shading.as_ref().map(|report| report.direction.direction_to_light);
-    let highlights = mirror.map(|ball| highlights(light, l, lights, ball, expected)).transpose()?.flatten();
+    let shading = grey.map_or(Ok(None), |ball| shade(light, l, ball));
+    let expected = shading.as_ref().ok().and_then(Option::as_ref).map(|report| report.direction.direction_to_light);
+    let highlights = mirror.map_or(Ok(None), |ball| highlights(light, l, lights, ball, expected));
+    let mut doubts = Vec::new();
+    // One ball is enough.
+    let (shading, highlights) = match (shading, highlights) {
+        (Ok(Some(shading)), Err(reason)) => {
+            doubts.push(DirectionDoubt::Unusable { ball: SphereKind::Mirror, reason });
+            (Some(shading), None)
+        }
+        (Err(reason), Ok(Some(highlights))) => {
+            doubts.push(DirectionDoubt::Unusable { ball: SphereKind::Grey, reason });
+            (None, Some(highlights))
+        }
+        (shading, highlights) => {
+            let failed = |ball: SphereKind| move |reason| PipelineError::calibrate(&light.name, ball, reason);
+            (shading.map_err(failed(SphereKind::Grey))?, highlights.map_err(failed(SphereKind::Mirror))?)
+        }
+    };
     let chosen = highlights.as_ref().and_then(HighlightReport::chosen);
     let of_mirror = chosen.map(|chosen| sourced(DirectionSource::Mirror, &chosen.direction));
     let of_shading = shading.as_ref().map(|report| sourced(DirectionSource::Shading, &report.direction));
@@ -56,7 +72,7 @@ pub(super) fn measure_direction(
     let combined = combine_directions(&sources, AGREEMENT_FLOOR_DEG)
         .map_err(|reason| PipelineError::calibrate(&light.name, SphereKind::Mirror, reason))?;
     let confirmed = sources.len() > 1 && combined.disagreements.is_empty();
-    let mut doubts: Vec<_> = highlights.iter().flat_map(highlight_doubts).filter(|_| !confirmed).collect();
+    doubts.extend(highlights.iter().flat_map(highlight_doubts).filter(|_| !confirmed));
     doubts.extend(combined.disagreements.iter().copied().map(DirectionDoubt::Balls));
     doubts.extend(given_doubt(light, typed, &combined.direction));
     let direction = combined.direction.direction_to_light;
@@ -81,7 +97,7 @@ fn highlights(
     lights: usize,
     ball: &BallShots,
     expected: Option<Vector3<f64>>,
-) -> Result<Option<HighlightReport>, PipelineError> {
+) -> Result<Option<HighlightReport>, CalibrateError> {
     let Some(photo) = ball.any_photo(l) else { return Ok(None) };
     let options = HighlightOptions {
         circle_sd_px: ball.circle_sd_px,
@@ -89,20 +105,18 @@ fn highlights(
         expected,
         ..HighlightOptions::default()
     };
-    let report = find_highlights(photo, &ball.under_other_lights(l, lights), &ball.ball, &options);
-    report.map(Some).map_err(|reason| PipelineError::calibrate(&light.name, SphereKind::Mirror, reason))
+    find_highlights(photo, &ball.under_other_lights(l, lights), &ball.ball, &options).map(Some)
 }
 
 /// The shading of the grey ball under light `l`; `None` without a photo.
-fn shade(light: &Light, l: usize, ball: &BallShots) -> Result<Option<ShadingReport>, PipelineError> {
+fn shade(light: &Light, l: usize, ball: &BallShots) -> Result<Option<ShadingReport>, CalibrateError> {
     let Some(photo) = ball.photo(l, 0) else { return Ok(None) };
     let options = ShadingOptions {
         circle_sd_px: ball.circle_sd_px,
         lamp_distance_radii: light.position_mm.and_then(|position| ball.lamp_distance_radii(position)),
         ..ShadingOptions::default()
     };
-    let report = direction_from_shading(photo, &ball.ball, &options);
-    report.map(Some).map_err(|reason| PipelineError::calibrate(&light.name, SphereKind::Grey, reason))
+    direction_from_shading(photo, &ball.ball, &options).map(Some)
 }
 
 fn highlight_doubts(report: &HighlightReport) -> Vec<DirectionDoubt> {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use firstbounce_core::calibrate::{DirectionSource, Disagreement};
+use firstbounce_core::calibrate::{CalibrateError, DirectionSource, Disagreement};
 use firstbounce_core::sphere::CircleReport;
 use firstbounce_core::trust::{Level, Limits};
 
@@ -27,6 +27,13 @@ pub enum DirectionDoubt {
         /// Angle between the two.
         angle_deg: f64,
     },
+    /// One ball cannot be used under this light, and the other can.
+    Unusable {
+        /// Which cannot.
+        ball: SphereKind,
+        /// Why.
+        reason: CalibrateError,
+    },
     /// The balls disagree.
     Balls(Disagreement),
     /// The balls contradict what the file gives.
@@ -44,7 +51,7 @@ impl DirectionDoubt {
     /// How much it spoils the direction.
     pub fn level(&self) -> Level {
         match self {
-            Self::TwoHighlights | Self::BesideLasting | Self::Outshone => Level::TakeCare,
+            Self::TwoHighlights | Self::BesideLasting | Self::Outshone | Self::Unusable { .. } => Level::TakeCare,
             Self::Lasting | Self::SameAs { .. } => Level::DoNotTrust,
             Self::Balls(Disagreement { angle_deg, .. }) | Self::Given { angle_deg, .. } => {
                 Limits::default().normal_deg.level(*angle_deg).max(Level::TakeCare)
@@ -86,6 +93,9 @@ impl fmt::Display for DirectionDoubt {
                 "its direction is that of light {light} to {angle_deg:.1} degrees: check that a reflection of the room was not \
                  taken for the lamp, and that each photo stands under its own light"
             ),
+            Self::Unusable { ball, reason } => {
+                write!(f, "the {ball} ball is left out, and the direction is that of the other ball: {reason}")
+            }
             Self::Balls(disagreement) => disagreement.fmt(f),
             Self::Given { source, angle_deg, allowed_deg } => write!(
                 f,

@@ -12,8 +12,8 @@ use super::super::PipelineError;
 use super::balls::{BallPhotos, BallShots, needed};
 use super::direction::{MeasuredDirection, add_common_doubts, measure_direction};
 use super::warning::Warning;
-use super::{BallCircle, Calibrated, Known, Preference, RatioEvidence, Source};
-use crate::set::{CaptureSet, SphereKind};
+use super::{BallCircle, BallNotFound, Calibrated, Known, Preference, RatioEvidence, Source};
+use crate::set::{BallValue, CaptureSet, SphereKind};
 
 /// Values by colour, where there are any, and the ratios behind them.
 type Measured = (Option<Vec<Known<f64>>>, Vec<RatioEvidence>);
@@ -32,11 +32,19 @@ impl<'a> Measuring<'a> {
     /// Takes the balls that will be looked at.
     pub fn new(set: &'a CaptureSet, preference: Preference, photos: &BallPhotos) -> Result<Self, PipelineError> {
         let needed = needed(set, preference);
-        let ball = |kind| if needed.contains(&kind) { BallShots::among(photos, set, kind) } else { Ok(None) };
+        let mut not_found = Vec::new();
+        let mut ball = |kind| match BallShots::among(photos, set, kind) {
+            _ if !needed.contains(&kind) => Ok(None),
+            Err(PipelineError::Ball { subject, reason }) => {
+                not_found.push(BallNotFound { kind, subject, reason });
+                Ok(None)
+            }
+            found => found,
+        };
         let (grey, material, mirror) =
             (ball(SphereKind::Grey)?, ball(SphereKind::Material)?, ball(SphereKind::Mirror)?);
 
-        let mut calibrated = Calibrated::default();
+        let mut calibrated = Calibrated { not_found, ..Calibrated::default() };
         for ball in [&grey, &material, &mirror].into_iter().flatten() {
             calibrated.circles.push(ball.circle.clone());
             calibrated.warnings.extend_from_slice(ball.file_warnings());
@@ -58,6 +66,7 @@ impl<'a> Measuring<'a> {
         let mut directions = self.directions()?;
         add_common_doubts(&self.set.lights, &self.calibrated.direction, &mut directions);
         self.intensities(&directions)?;
+        self.check_not_found()?;
         self.room_light(&directions);
         self.warn_of_typed();
         for (light, direction) in self.set.lights.iter().zip(directions) {
@@ -68,6 +77,27 @@ impl<'a> Measuring<'a> {
             self.calibrated.highlights.push(direction.highlights);
         }
         Ok(self.calibrated)
+    }
+
+    /// A ball that was not found is an error where a value that it gives is not known. beta may still be measured on the
+    /// object.
+    fn check_not_found(&mut self) -> Result<(), PipelineError> {
+        let calibrated = &self.calibrated;
+        let open = |value: BallValue| match value {
+            BallValue::Alpha => calibrated.alpha.iter().any(Option::is_none),
+            BallValue::Beta => false,
+            BallValue::Intensity => calibrated.intensity.iter().any(|known| known.source == Source::Assumed),
+            BallValue::Direction => calibrated.direction.iter().any(Option::is_none),
+        };
+        let values = [BallValue::Alpha, BallValue::Intensity, BallValue::Direction];
+        let is_missed = |ball: &&BallNotFound| values.iter().any(|&value| ball.kind.gives(value) && open(value));
+        if let Some(ball) = calibrated.not_found.iter().find(is_missed) {
+            return Err(ball.error());
+        }
+        let warnings = calibrated.not_found.iter().map(|ball| Warning::BallNotFound(ball).to_string());
+        let warnings: Vec<_> = warnings.collect();
+        self.calibrated.warnings.extend(warnings);
+        Ok(())
     }
 
     /// By light, how much of its light on the balls is not the lamp's.

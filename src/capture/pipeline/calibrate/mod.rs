@@ -10,14 +10,15 @@ mod warning;
 
 use firstbounce_core::calibrate::{BallPixels, Highlight, HighlightReport, RatioReport};
 use firstbounce_core::interval::Estimate;
-use firstbounce_core::sphere::CircleReport;
+use firstbounce_core::sphere::{BallError, CircleReport};
 
 use balls::BallPhotos;
 
 use super::methods::add_beta_of_object;
 use super::{ObjectPhotos, PhotoStore, PipelineError, PipelineWatch, SolveOptions, Stage, load_object};
-use crate::set::{Calibration, CaptureSet, Sphere, SphereKind};
+use crate::set::{Calibration, CaptureSet, Sphere, SphereKind, Subject};
 
+pub use balls::circle_of;
 pub(in crate::pipeline) use balls::needed_subjects;
 pub use doubt::{CircleDoubt, DirectionDoubt};
 pub use verdict::{Evidence, Verdict};
@@ -173,6 +174,24 @@ pub struct BallCircle {
     pub edge: Option<CircleReport>,
 }
 
+/// A ball whose circle is not known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BallNotFound {
+    /// Which ball.
+    pub kind: SphereKind,
+    /// In which shots.
+    pub subject: Subject,
+    /// Why.
+    pub reason: BallError,
+}
+
+impl BallNotFound {
+    /// As an error, for where the ball cannot be done without.
+    pub fn error(&self) -> PipelineError {
+        PipelineError::Ball { subject: self.subject, reason: self.reason.clone() }
+    }
+}
+
 /// What one colour's photo of a ball says against the reference colour's: alpha on the grey ball, alpha times beta on the
 /// ball of the paint. For the histogram and the tinted pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -212,6 +231,8 @@ pub struct Calibrated {
     pub ratios: Vec<RatioEvidence>,
     /// The balls' circles.
     pub circles: Vec<BallCircle>,
+    /// The balls that were looked for in vain.
+    pub not_found: Vec<BallNotFound>,
     /// What the user should know before trusting the values.
     pub warnings: Vec<String>,
 }
@@ -221,12 +242,19 @@ impl Calibrated {
     pub fn alpha_values(&self, set: &CaptureSet, l: usize) -> Result<Vec<f64>, PipelineError> {
         let alpha = self.alpha.get(l).and_then(Option::as_ref);
         let missing = || PipelineError::NoAlpha { light: set.lights[l].name.clone() };
-        Ok(alpha.ok_or_else(missing)?.iter().map(|known| known.value).collect())
+        let alpha = alpha.ok_or_else(|| self.error_of(SphereKind::Grey).unwrap_or_else(missing))?;
+        Ok(alpha.iter().map(|known| known.value).collect())
+    }
+
+    /// Why this ball was not found; `None` where it was, or is not there.
+    fn error_of(&self, kind: SphereKind) -> Option<PipelineError> {
+        self.not_found.iter().find(|ball| ball.kind == kind).map(BallNotFound::error)
     }
 
     /// beta of every colour.
     pub fn beta_values(&self) -> Result<Vec<f64>, PipelineError> {
-        Ok(self.beta.as_ref().ok_or(PipelineError::NoBeta)?.iter().map(|known| known.value).collect())
+        let missing = || self.error_of(SphereKind::Material).unwrap_or(PipelineError::NoBeta);
+        Ok(self.beta.as_ref().ok_or_else(missing)?.iter().map(|known| known.value).collect())
     }
 
     /// The values in force, by the words of the file. A light whose position or direction the file gives keeps that alone.
@@ -294,8 +322,8 @@ pub enum Preference {
     BallsUnderGivenLights,
 }
 
-/// Calibrates a set from its file and its balls. Missing balls leave their values open; a ball that is there and cannot
-/// be used is an error.
+/// Calibrates a set from its file and its balls. Missing balls leave their values open, and so does a ball whose circle is
+/// not found where its values come from elsewhere; any other ball that is there and cannot be used is an error.
 pub fn calibrate(
     set: &CaptureSet,
     preference: Preference,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{CircleDoubt, DirectionDoubt};
+use super::{BallNotFound, CircleDoubt, DirectionDoubt};
 
 /// A warning of a calibration.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +12,8 @@ pub(super) enum Warning<'a> {
         /// Which lights, and its share of their light on the ball.
         lights: Vec<(&'a str, f64)>,
     },
+    /// A ball without which the values are known too.
+    BallNotFound(&'a BallNotFound),
     /// A given circle off its ball's edge.
     Circle(CircleDoubt),
     /// A typed value that a ball contradicts.
@@ -51,6 +53,7 @@ impl fmt::Display for Warning<'_> {
                     words.collect::<Vec<_>>().join(", ")
                 )
             }
+            Self::BallNotFound(ball) => write!(f, "the {} ball is left out: {}", ball.kind, ball.error()),
             Self::Circle(doubt) => doubt.fmt(f),
             Self::Typed { what, typed, measured, half_width } => write!(
                 f,

@@ -134,7 +134,7 @@ impl HighlightReport {
         let is_rival = |other: &Highlight| {
             // The light of a lamp that is smaller than a pixel is spread over some.
             let may_clip = other.clipped || other.area_px <= SUBPIXEL_CORE_PX;
-            let both_clip = first.clipped && may_clip && other.seen_under_other_lamps <= first.seen_under_other_lamps;
+            let both_clip = first.clipped && may_clip;
             let first_px = first.area_px as f64;
             let enough_px = match both_clip {
                 true => (CLIPPED_RIVAL_AREA * first_px).min(CLIPPED_RIVAL_BALL_SHARE * self.ball_px),
