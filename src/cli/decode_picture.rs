@@ -13,11 +13,14 @@ pub struct DecodeArgs {
     /// The layer of a layered EXR
     #[arg(long)]
     layer: Option<String>,
+    /// Only the size of a camera raw file, and what it says of itself
+    #[arg(long)]
+    facts: bool,
 }
 
 pub fn run(args: &DecodeArgs) -> anyhow::Result<()> {
     limit(DecodeLimits { memory_bytes: args.memory_bytes, seconds: args.seconds });
-    decode_for_parent(args.layer.as_deref(), std::io::stdin().lock(), std::io::stdout().lock())?;
+    decode_for_parent(args.layer.as_deref(), args.facts, std::io::stdin().lock(), std::io::stdout().lock())?;
     Ok(())
 }
 

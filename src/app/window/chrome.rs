@@ -128,6 +128,9 @@ impl Chrome {
             ui.label("Takes the light between an object's own walls out of photometric stereo.");
             ui.label("Method: Liao, Huang, Yang, CVPR 2011.");
             ui.label(format!("Licence: {}", env!("CARGO_PKG_LICENSE")));
+            if cfg!(feature = "raw") {
+                ui.label("Camera raw files are read by rawler, licensed under the LGPL 2.1.");
+            }
         });
         if let Some(made) = self.simulated.ui(context, session) {
             self.open_set(session, made);

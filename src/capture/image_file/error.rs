@@ -39,6 +39,14 @@ pub enum ImageError {
         /// Its first bytes in hexadecimal.
         first_bytes: String,
     },
+    /// A kind of picture that is known and not read.
+    #[error("{}: a {name}, which Firstbounce does not read; export it as 16-bit TIFF or PNG with linear values", path.display())]
+    OtherFormat {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        name: &'static str,
+    },
     /// It begins like an image and does not go on like one.
     #[error("{}: a truncated or damaged {format} ({reason}); copy or export it again", path.display())]
     Damaged {

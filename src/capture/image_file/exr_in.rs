@@ -37,6 +37,8 @@ pub fn layer_names(path: &Path) -> Result<Vec<String>, ImageError> {
 struct Layer {
     name: String,
     part: usize,
+    /// Whether its channels have no prefix.
+    is_plain: bool,
     /// Name without the layer's prefix, and index in the part.
     channels: Vec<(String, usize)>,
 }
@@ -113,7 +115,10 @@ fn layers(headers: &[Header]) -> Vec<Layer> {
             };
             match layers.iter_mut().find(|layer| layer.part == part && layer.name == layer_name) {
                 Some(layer) => layer.channels.push((name.to_string(), index)),
-                None => layers.push(Layer { name: layer_name, part, channels: vec![(name.to_string(), index)] }),
+                None => {
+                    let channels = vec![(name.to_string(), index)];
+                    layers.push(Layer { name: layer_name, part, is_plain: prefix.is_empty(), channels });
+                }
             }
         }
     }
@@ -133,14 +138,17 @@ fn choose<'a>(source: &Source, layers: &'a [Layer], wanted: Option<&str>) -> Res
     })
 }
 
-/// Of several layers the one without a name, which every viewer shows, if it is a picture; else the only one that is.
+/// Of several layers the picture whose channels have no prefix, which every viewer shows; else the only picture.
 fn plain_layer(layers: &[Layer]) -> Option<&Layer> {
     let has = |layer: &Layer, wanted: &str| layer.channels.iter().any(|(name, _)| name.eq_ignore_ascii_case(wanted));
     let is_picture =
         |layer: &&Layer| ["R", "G", "B"].iter().all(|name| has(layer, name)) || (has(layer, "Y") && !has(layer, "X"));
-    let mut pictures = layers.iter().filter(is_picture);
-    let unnamed = pictures.clone().find(|layer| layer.name.is_empty());
-    unnamed.or_else(|| pictures.next().filter(|_| pictures.next().is_none()))
+    let pictures: Vec<&Layer> = layers.iter().filter(is_picture).collect();
+    let plain: Vec<&Layer> = pictures.iter().copied().filter(|layer| layer.is_plain).collect();
+    match (plain.as_slice(), pictures.as_slice()) {
+        ([only], _) | (_, [only]) => Some(only),
+        _ => plain.into_iter().find(|layer| layer.name.is_empty()),
+    }
 }
 
 /// Red, green and blue (or x, y and z of a vector), else luminance, else the only channel that is not alpha.

@@ -5,11 +5,13 @@ use std::path::Path;
 
 use super::head::{Head, Stated};
 use super::read::{Decoded, Source};
-use super::{ImageError, Metadata, exr_in, pfm, raster, tiff_in};
+use super::{ImageError, Metadata, exr_in, pfm, raster, raw, tiff_in};
 
 /// The file formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
+    /// Camera raw: NEF, CR2, CR3, ARW, RAF, DNG, ORF, RW2 and what else the feature `raw` reads.
+    Raw,
     /// Portable Network Graphics, 1 to 16 bits.
     Png,
     /// Tagged Image File Format: 1 to 32 bit integers, 16 to 64 bit floats.
@@ -49,11 +51,35 @@ struct Row {
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 8] =
-        [Self::Png, Self::Tiff, Self::Exr, Self::Jpeg, Self::Hdr, Self::Pfm, Self::Bmp, Self::Pnm];
+    pub const ALL: [Self; 9] =
+        [Self::Raw, Self::Png, Self::Tiff, Self::Exr, Self::Jpeg, Self::Hdr, Self::Pfm, Self::Bmp, Self::Pnm];
 
     fn row(self) -> Row {
         match self {
+            Self::Raw => Row {
+                name: "camera raw",
+                extensions: &["dng", "nef", "cr2", "cr3", "arw", "raf", "orf", "rw2"],
+                // The others begin as any TIFF: see `raw::is_camera_raw`.
+                magic: &[
+                    b"II*\0\x10\0\0\0CR",
+                    b"\0\0\0\x18ftypcrx ",
+                    b"FUJIFILMCCD-RAW",
+                    b"IIRO",
+                    b"IIRS",
+                    b"MMOR",
+                    b"IIU\0",
+                ],
+                usually_srgb: false,
+                stated: |source, head| {
+                    let size = raw::facts(source, &source.rest_of(head)?)?.size;
+                    Ok(Stated { size, bounded: false })
+                },
+                read: |source, bytes, _| raw::read(source, bytes),
+                metadata: |source, head| {
+                    let facts = source.rest_of(head).and_then(|bytes| raw::facts(source, &bytes));
+                    facts.map(|facts| facts.metadata).unwrap_or_default()
+                },
+            },
             Self::Png => Row {
                 name: "PNG",
                 extensions: &["png"],

@@ -6,8 +6,9 @@ use std::path::Path;
 
 use crate::open::{open_file, refusal};
 
+use super::raw::Facts;
 use super::read::{BYTE_LIMIT, Source};
-use super::{Format, ImageError, Metadata};
+use super::{Format, ImageError, Metadata, subprocess};
 
 /// The most that is read of a file to learn its size; colour profiles and previews may stand before it.
 const MAX_HEAD_BYTES: u64 = 16 << 20;
@@ -59,16 +60,16 @@ impl<'a> Opened<'a> {
         let unreadable = |reason: String| ImageError::Unreadable { path: path.to_path_buf(), reason };
         let (file, length) = open_file(path, BYTE_LIMIT as u64).map_err(|error| unreadable(refusal(path, &error)))?;
         let source = Source { path, length: length as usize };
-        let mut first = Vec::new();
-        (&file).take(16).read_to_end(&mut first).map_err(|error| source.unreadable(error))?;
-        Ok(Self { format: source.format(&first)?, source, file })
+        Ok(Self { format: source.format(BufReader::new(&file))?, source, file })
     }
 
     /// Reads what the picture says of itself, and refuses what cannot be true.
     pub fn stated(&mut self) -> Result<Stated, ImageError> {
         let (source, format) = (self.source, self.format);
-        let file = self.head()?;
-        let stated = format.stated(&source, file)?;
+        let stated = match self.raw_facts() {
+            Some(facts) => Stated { size: facts?.size, bounded: false },
+            None => format.stated(&source, self.head()?)?,
+        };
         source.check_size(stated.size)?;
         Ok(stated)
     }
@@ -76,12 +77,27 @@ impl<'a> Opened<'a> {
     /// Reads what the picture says of its values and how it was taken.
     pub fn metadata(&mut self) -> Result<Metadata, ImageError> {
         let (source, format) = (self.source, self.format);
-        Ok(format.metadata(&source, self.head()?))
+        match self.raw_facts() {
+            Some(facts) => Ok(facts.map(|facts| facts.metadata).unwrap_or_default()),
+            None => Ok(format.metadata(&source, self.head()?)),
+        }
+    }
+
+    /// Of a camera raw file, where another process can be asked for what its decoder says.
+    fn raw_facts(&mut self) -> Option<Result<Facts, ImageError>> {
+        let program = subprocess::program().filter(|_| self.format == Format::Raw)?;
+        Some(subprocess::facts(program, self))
     }
 
     /// The file from its start, which ends early.
     pub fn head(&mut self) -> Result<Head<'_>, ImageError> {
-        Ok(BufReader::new(Bounded { file: self.rewound()?, left: MAX_HEAD_BYTES }))
+        let left = self.max_head_bytes();
+        Ok(BufReader::new(Bounded { file: self.rewound()?, left }))
+    }
+
+    /// A raw file's decoder knows no head.
+    fn max_head_bytes(&self) -> u64 {
+        if self.format == Format::Raw { BYTE_LIMIT as u64 } else { MAX_HEAD_BYTES }
     }
 
     /// The file from its start.

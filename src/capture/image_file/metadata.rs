@@ -6,6 +6,8 @@ use std::fmt;
 
 use exif::{Context, Error, Exif, In, Reader, Tag, Value};
 
+use serde::{Deserialize, Serialize};
+
 use super::Encoding;
 
 /// The longest exposure that is believed, and the shortest as a part of a second.
@@ -17,7 +19,7 @@ const FOCAL_LENGTH_RANGE_MM: std::ops::RangeInclusive<f64> = 0.1..=1e5;
 const ISO_DOES_NOT_FIT: f64 = 65535.0;
 
 /// What a file says of itself; `None` where it says nothing that can be true.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Metadata {
     /// Exposure time in seconds.
     pub exposure_s: Option<f64>,
@@ -32,6 +34,7 @@ pub struct Metadata {
     /// EXIF orientation, 1 to 8. Pixels are left as they are stored.
     pub orientation: Option<u8>,
     /// On what curve the values are stored.
+    #[serde(skip)]
     pub curve: StatedCurve,
 }
 
@@ -86,7 +89,7 @@ impl StatedCurve {
 }
 
 /// A moment by a camera's clock, whose time zone it does not say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct TakenAt {
     /// Year, month and day.
     pub date: [u16; 3],

@@ -6,7 +6,7 @@
 //! A picture may come from anywhere, so it must not be able to end the program, or to take more memory and time than
 //! its size explains. Every size that it states is checked before room is made for it, and its decoder is guarded
 //! ([`guard`](crate::guard)). Decoders that state sizes of their own deep in the pixels (EXR with PIZ or DWA, TIFF with
-//! JPEG or fax) run in a process of their own with a limit of memory and time, see [`decode_in`]; all others (PNG, JPEG,
+//! JPEG or fax, camera raw files) run in a process of their own with a limit of memory and time, see [`decode_in`]; all others (PNG, JPEG,
 //! HDR, PFM, BMP, PNM, TIFF without compression or with LZW, deflate or PackBits, EXR with anything else) are bounded by what was
 //! checked, and stay in this one.
 
@@ -27,6 +27,9 @@ mod metadata;
 mod pfm;
 mod png_out;
 mod raster;
+mod raw;
+#[cfg(feature = "raw")]
+mod raw_in;
 mod read;
 mod repeats;
 mod samples;

@@ -1,12 +1,14 @@
 //! Reading a picture: what it is, whether it can be true, and which decoder takes it.
 
 use std::fmt::Display;
+use std::io::{Read, Seek};
 use std::path::Path;
 
 use firstbounce_core::Plane;
 use rayon::prelude::*;
 
 use super::head::{Opened, PictureSize};
+use super::raw::is_camera_raw;
 use super::{Channel, Format, ImageError, ImageFile, ImageWarning, Metadata, StatedCurve, StoredRange, subprocess};
 use crate::guard::{Panicked, guarded};
 
@@ -21,6 +23,23 @@ const HARMLESS_PIXELS: usize = 4_000_000;
 
 /// The longest that the words of a decoder are told.
 const MAX_REASON_CHARS: usize = 300;
+
+/// As many bytes say what a file is.
+const FIRST_BYTES: u64 = 16;
+
+/// Pictures that are known and not read: name, and which bytes stand where.
+const OTHER_FORMATS: [(&str, usize, &[u8]); 10] = [
+    ("HEIC picture", 4, b"ftyphei"),
+    ("HEIC picture", 4, b"ftyphev"),
+    ("HEIF picture", 4, b"ftypmif1"),
+    ("AVIF picture", 4, b"ftypavif"),
+    ("Photoshop document", 0, b"8BPS"),
+    ("GIMP document", 0, b"gimp xcf"),
+    ("JPEG 2000 picture", 4, b"jP  "),
+    ("JPEG XL picture", 4, b"JXL "),
+    ("WebP picture", 8, b"WEBP"),
+    ("GIF picture", 0, b"GIF8"),
+];
 
 /// What the values mean, and so which of them cannot be true.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -80,6 +99,10 @@ pub fn read_image_as(path: &Path, options: &ReadOptions) -> Result<ImageFile, Im
 /// Decodes an opened file, in a process of its own where nothing else bounds its decoder.
 pub(super) fn decode(opened: &mut Opened, layer: Option<&str>) -> Result<Decoded, ImageError> {
     let (source, format) = (opened.source, opened.format);
+    if let (Format::Raw, Some(program)) = (format, subprocess::program()) {
+        // Its size comes with its pixels.
+        return subprocess::decode(program, opened, source.largest_raw(), layer);
+    }
     let stated = opened.stated()?;
     match subprocess::program() {
         Some(program) if !stated.bounded => subprocess::decode(program, opened, stated.size, layer),
@@ -147,6 +170,11 @@ impl Source<'_> {
         ImageError::TooLarge { path: self.path.to_path_buf(), width, height, bytes: self.length }
     }
 
+    /// More pixels than a raw file of this length can hold: cameras compress to about half a byte a site.
+    pub fn largest_raw(&self) -> PictureSize {
+        PictureSize { width: 2 * self.length.min(PIXEL_LIMIT), height: 1, channels: 3 }
+    }
+
     /// Refuses, before anything is allocated, what cannot be a picture: no pixels, or more than the file can hold.
     pub fn check_size(&self, PictureSize { width, height, channels }: PictureSize) -> Result<(), ImageError> {
         let plausible = self.length.saturating_mul(SAMPLES_PER_BYTE);
@@ -163,16 +191,30 @@ impl Source<'_> {
         Ok(())
     }
 
-    /// The format by the first bytes.
-    pub fn format(&self, first: &[u8]) -> Result<Format, ImageError> {
+    /// The format by the first bytes, and of a TIFF by its first directory.
+    pub fn format(&self, mut file: impl Read + Seek) -> Result<Format, ImageError> {
         let path = self.path.to_path_buf();
+        let mut first = Vec::new();
+        file.by_ref().take(FIRST_BYTES).read_to_end(&mut first).map_err(|error| self.unreadable(error))?;
         if first.is_empty() {
             return Err(ImageError::Empty { path });
         }
-        Format::of_content(first).ok_or_else(|| {
-            let first = first.iter().take(3).map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
-            ImageError::NotAnImage { path, first_bytes: first.join(" ") }
-        })
+        let format = Format::of_content(&first).ok_or_else(|| match other_format(&first) {
+            Some(name) => ImageError::OtherFormat { path, name },
+            None => {
+                let first = first.iter().take(3).map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
+                ImageError::NotAnImage { path, first_bytes: first.join(" ") }
+            }
+        })?;
+        file.rewind().map_err(|error| self.unreadable(error))?;
+        Ok(if format == Format::Tiff && is_camera_raw(file) { Format::Raw } else { format })
+    }
+
+    /// What is left of a head.
+    pub fn rest_of(&self, mut head: impl Read) -> Result<Vec<u8>, ImageError> {
+        let mut bytes = Vec::new();
+        head.read_to_end(&mut bytes).map_err(|error| self.unreadable(error))?;
+        Ok(bytes)
     }
 
     /// Decoders meet bytes that were never meant for them, and hold an `expect` or an index here and there: should one panic,
@@ -180,6 +222,14 @@ impl Source<'_> {
     pub fn guarded<T>(&self, format: Format, decode: impl FnOnce() -> Result<T, ImageError>) -> Result<T, ImageError> {
         guarded(decode).unwrap_or_else(|Panicked| Err(self.damaged(format, "the decoder gave up")))
     }
+}
+
+/// The name of a kind of picture that is known and not read.
+fn other_format(first: &[u8]) -> Option<&'static str> {
+    OTHER_FORMATS
+        .into_iter()
+        .find(|(_, at, mark)| first.get(*at..).is_some_and(|rest| rest.starts_with(mark)))
+        .map(|it| it.0)
 }
 
 /// What a decoder says may quote the file, at any length.

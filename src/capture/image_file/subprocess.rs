@@ -16,8 +16,9 @@ use firstbounce_core::Plane;
 use serde::{Deserialize, Serialize};
 
 use super::head::{Opened, PictureSize};
+use super::raw::{self, Facts};
 use super::read::{BYTE_LIMIT, Decoded, Source};
-use super::{Channel, ImageError, StoredRange};
+use super::{Channel, ImageError, Metadata, StoredRange};
 
 /// The first argument of a child.
 pub const DECODE_COMMAND: &str = "decode-picture";
@@ -77,6 +78,13 @@ enum Reply {
         count: usize,
         maximum: Option<f32>,
     },
+    /// Of a camera raw file.
+    Facts {
+        width: usize,
+        height: usize,
+        channels: usize,
+        metadata: Metadata,
+    },
     Damaged(String),
     Unsupported(String),
     TooLarge {
@@ -95,34 +103,69 @@ pub(super) fn decode(
     size: PictureSize,
     layer: Option<&str>,
 ) -> Result<Decoded, ImageError> {
+    match ask(program, opened, size, &Wanted::Pixels { layer })? {
+        (Reply::Planes { maximum, .. }, channels) => Ok(Decoded::of(channels, StoredRange { maximum })),
+        (reply, _) => Err(refusal(opened, reply, layer)),
+    }
+}
+
+/// What the decoder of a camera raw file says before it decodes pixels.
+pub(super) fn facts(program: &Path, opened: &mut Opened) -> Result<Facts, ImageError> {
+    let size = opened.source.largest_raw();
+    match ask(program, opened, size, &Wanted::Facts)? {
+        (Reply::Facts { width, height, channels, metadata }, _) => {
+            Ok(Facts::of(PictureSize { width, height, channels }, metadata))
+        }
+        (reply, _) => Err(refusal(opened, reply, None)),
+    }
+}
+
+/// What a child is asked for.
+enum Wanted<'a> {
+    Pixels { layer: Option<&'a str> },
+    Facts,
+}
+
+fn ask(
+    program: &Path,
+    opened: &mut Opened,
+    size: PictureSize,
+    wanted: &Wanted,
+) -> Result<(Reply, Channels), ImageError> {
     let (source, format) = (opened.source, opened.format);
     let limits = DecodeLimits::of(&source, size);
     let file = opened.rewound()?.try_clone().map_err(|error| source.unreadable(error))?;
     let _turn = Turn::wait();
-    let mut child = start(program, file, limits, layer).map_err(|error| {
+    let mut child = start(program, file, limits, wanted).map_err(|error| {
         source.unreadable(format_args!("its decoder {} does not start: {error}", program.display()))
     })?;
     let reply = answer(&mut child, size, Duration::from_secs(limits.seconds * WAITED_SECONDS_PER_SECOND));
     // It has answered, or never will.
     let _ = child.kill();
     let _ = child.wait();
-    let (reply, channels) = reply
-        .ok_or_else(|| source.damaged(format, "its decoder took more memory or time than such a picture needs"))?;
-    Err(match reply {
-        Reply::Planes { maximum, .. } => return Ok(Decoded::of(channels, StoredRange { maximum })),
+    reply.ok_or_else(|| source.damaged(format, "its decoder took more memory or time than such a picture needs"))
+}
+
+fn refusal(opened: &Opened, reply: Reply, layer: Option<&str>) -> ImageError {
+    let (source, format) = (opened.source, opened.format);
+    match reply {
+        Reply::Planes { .. } | Reply::Facts { .. } => source.damaged(format, "its decoder answers another question"),
         Reply::Damaged(reason) => source.damaged(format, reason),
         Reply::Unsupported(what) => source.unsupported(format, what),
         Reply::TooLarge { width, height } => source.too_large(width, height),
         Reply::NoLayer { present } => {
             ImageError::NoLayer { path: source.path.to_path_buf(), wanted: layer.map(str::to_string), present }
         }
-    })
+    }
 }
 
-fn start(program: &Path, file: File, limits: DecodeLimits, layer: Option<&str>) -> io::Result<Child> {
+fn start(program: &Path, file: File, limits: DecodeLimits, wanted: &Wanted) -> io::Result<Child> {
     let mut command = Command::new(program);
     command.arg(DECODE_COMMAND).arg(limits.memory_bytes.to_string()).arg(limits.seconds.to_string());
-    command.args(layer.map(|layer| format!("--layer={layer}")));
+    match wanted {
+        Wanted::Pixels { layer } => command.args(layer.map(|layer| format!("--layer={layer}"))),
+        Wanted::Facts => command.arg("--facts"),
+    };
     // Each thread maps memory of its own.
     command.env("RAYON_NUM_THREADS", "1");
     command.stdin(file).stdout(Stdio::piped()).stderr(Stdio::null()).spawn()
@@ -173,27 +216,17 @@ fn read_plane(output: &mut impl Read, width: usize, height: usize) -> Option<Pla
     Some(plane)
 }
 
-/// The child's work: decodes the picture that is `input`, and writes the answer to `output`. The limits are the
-/// caller's to set before.
+/// The child's work: decodes the picture that is `input`, or reads no more than the `facts` of a camera raw file, and writes
+/// the answer to `output`. The limits are the caller's to set before.
 ///
 /// # Errors
 /// What the system says where the answer cannot be read or written.
-pub fn decode_for_parent(layer: Option<&str>, input: impl Read, mut output: impl Write) -> io::Result<()> {
+pub fn decode_for_parent(layer: Option<&str>, facts: bool, input: impl Read, mut output: impl Write) -> io::Result<()> {
     let mut bytes = Vec::new();
     input.take(BYTE_LIMIT as u64).read_to_end(&mut bytes)?;
     let source = Source { path: Path::new(""), length: bytes.len() };
-    let decoded = source.format(&bytes).and_then(|format| format.read(&source, &bytes, layer));
-    let (reply, channels) = match decoded {
-        Ok(Decoded { channels, stored, .. }) => {
-            let (width, height) = channels.first().map_or((0, 0), |(_, plane)| plane.size());
-            (Reply::Planes { width, height, count: channels.len(), maximum: stored.maximum }, channels)
-        }
-        Err(ImageError::Unsupported { what, .. }) => (Reply::Unsupported(what), vec![]),
-        Err(ImageError::Damaged { reason, .. }) => (Reply::Damaged(reason), vec![]),
-        Err(ImageError::TooLarge { width, height, .. }) => (Reply::TooLarge { width, height }, vec![]),
-        Err(ImageError::NoLayer { present, .. }) => (Reply::NoLayer { present }, vec![]),
-        Err(other) => (Reply::Damaged(other.to_string()), vec![]),
-    };
+    let answer = if facts { raw_facts(&source, &bytes) } else { pixels(&source, &bytes, layer) };
+    let (reply, channels) = answer.unwrap_or_else(|error| (refused(error), Vec::new()));
     serde_json::to_writer(&mut output, &reply)?;
     output.write_all(b"\n")?;
     for (_, plane) in &channels {
@@ -202,6 +235,29 @@ pub fn decode_for_parent(layer: Option<&str>, input: impl Read, mut output: impl
         }
     }
     output.flush()
+}
+
+fn raw_facts(source: &Source, bytes: &[u8]) -> Result<(Reply, Channels), ImageError> {
+    let Facts { size: PictureSize { width, height, channels }, metadata } = raw::facts(source, bytes)?;
+    Ok((Reply::Facts { width, height, channels, metadata }, Vec::new()))
+}
+
+fn pixels(source: &Source, bytes: &[u8], layer: Option<&str>) -> Result<(Reply, Channels), ImageError> {
+    let format = source.format(io::Cursor::new(bytes))?;
+    let Decoded { channels, stored, .. } = format.read(source, bytes, layer)?;
+    let (width, height) = channels.first().map_or((0, 0), |(_, plane)| plane.size());
+    Ok((Reply::Planes { width, height, count: channels.len(), maximum: stored.maximum }, channels))
+}
+
+/// An error as an answer.
+fn refused(error: ImageError) -> Reply {
+    match error {
+        ImageError::Unsupported { what, .. } => Reply::Unsupported(what),
+        ImageError::Damaged { reason, .. } => Reply::Damaged(reason),
+        ImageError::TooLarge { width, height, .. } => Reply::TooLarge { width, height },
+        ImageError::NoLayer { present, .. } => Reply::NoLayer { present },
+        other => Reply::Damaged(other.to_string()),
+    }
 }
 
 /// The children at work: at most as many as there are cores.

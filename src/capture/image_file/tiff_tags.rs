@@ -4,16 +4,35 @@ use std::io::{self, Cursor, Read, Seek, SeekFrom};
 
 use tiff::tags::{IfdPointer, Tag};
 
+/// Each tag has a number of 16 bits and stands once.
+const MAX_ENTRIES: u64 = 1 << 16;
 /// The numbers of the types of a tag that are text and a number of 32 bits.
 const TEXT: u64 = 2;
 const LONG: u16 = 4;
+
+/// An entry of a directory: its value as it stands in the field, which may be the place of the value.
+pub(super) struct Entry {
+    pub tag: u64,
+    kind: u64,
+    count: u64,
+    pub value: u64,
+}
 
 /// The longest text of the first directory, in bytes as it is stated. The decoder prints a line of its own to standard
 /// error for one beyond its limit.
 ///
 /// # Errors
+/// As [`entries`].
+pub(super) fn longest_text(file: impl Read + Seek) -> io::Result<u64> {
+    let texts = entries(file)?.into_iter().filter(|entry| entry.kind == TEXT);
+    Ok(texts.map(|entry| entry.count).max().unwrap_or(0))
+}
+
+/// The entries of the first directory.
+///
+/// # Errors
 /// What the system says, the end of the file among it; and for a type that TIFF does not have.
-pub(super) fn longest_text(mut file: impl Read + Seek) -> io::Result<u64> {
+pub(super) fn entries(mut file: impl Read + Seek) -> io::Result<Vec<Entry>> {
     let low_first = number(&mut file, 2, true)? == u64::from(u16::from_le_bytes(*b"II"));
     let mut number = |bytes: usize, at: Option<u64>| {
         at.map(|at| file.seek(SeekFrom::Start(at))).transpose()?;
@@ -22,18 +41,21 @@ pub(super) fn longest_text(mut file: impl Read + Seek) -> io::Result<u64> {
     let is_big = number(2, None)? == 43;
     let (word, first) = if is_big { (8, 8) } else { (4, 4) };
     let directory = number(word, Some(first))?;
-    let entries = number(if is_big { 8 } else { 2 }, Some(directory))?;
-    let mut longest = 0;
-    for _ in 0..entries {
-        let (_tag, kind) = (number(2, None)?, number(2, None)?);
+    let count = number(if is_big { 8 } else { 2 }, Some(directory))?;
+    if count > MAX_ENTRIES {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "a directory of more entries than there are tags"));
+    }
+    let mut entries = Vec::new();
+    for _ in 0..count {
+        let (tag, kind) = (number(2, None)?, number(2, None)?);
         // The decoder skips too few bytes of a big entry of an unknown type, and would see others than are seen here.
         if is_big && !matches!(kind, 1..=13 | 16..=18) {
             return Err(io::Error::new(io::ErrorKind::InvalidData, "a tag has no type"));
         }
-        let (count, _value) = (number(word, None)?, number(word, None)?);
-        longest = if kind == TEXT { count.max(longest) } else { longest };
+        let (count, value) = (number(word, None)?, number(word, None)?);
+        entries.push(Entry { tag, kind, count, value });
     }
-    Ok(longest)
+    Ok(entries)
 }
 
 /// Sets tags of the directory at `place` to one number each; `None` if one of them is not there.

@@ -23,7 +23,7 @@ fn what_is_no_image_is_named() {
     assert!(message(&folder.file("empty.png", b"")).contains("empty"));
     let text = message(&folder.file("left.png", b"Hello, world"));
     assert!(text.ends_with(
-        "left.png: not an image Firstbounce reads (PNG, TIFF, EXR, JPEG, HDR, PFM, BMP, PNM): first bytes 48 65 6c; export it again"
+        "left.png: not an image Firstbounce reads (camera raw, PNG, TIFF, EXR, JPEG, HDR, PFM, BMP, PNM): first bytes 48 65 6c; export it again"
     ));
 }
 

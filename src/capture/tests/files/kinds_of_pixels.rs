@@ -141,6 +141,11 @@ fn an_exr_with_colours_beside_other_layers_needs_no_choice_and_obeys_one() {
     assert_eq!(read_image(&path).unwrap().channels[0].1, light);
     let chosen = ReadOptions { layer: Some("depth".into()), ..ReadOptions::default() };
     assert_eq!(read_image_as(&path, &chosen).unwrap().channels[0].1, other);
+
+    let passes = vec![("R", &light), ("G", &light), ("B", &light), ("glossy.R", &other), ("glossy.G", &other)];
+    let passes = [passes, vec![("glossy.B", &other)]].concat();
+    write_exr(&path, &[ExrLayer { name: "view", channels: passes }]).unwrap();
+    assert_eq!(read_image(&path).unwrap().channels[2].1, light);
 }
 
 #[test]

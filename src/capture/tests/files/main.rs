@@ -12,6 +12,8 @@ mod masks;
 mod mesh_files;
 mod mesh_variants;
 mod pictures;
+#[cfg(feature = "raw")]
+mod raw_files;
 mod rig_and_captures;
 mod shared_pictures;
 mod stated_by_files;
