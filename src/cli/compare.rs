@@ -6,7 +6,7 @@ use anyhow::bail;
 use clap::Args;
 use firstbounce_capture::OutputFolder;
 use firstbounce_capture::mesh_file::{Quality, write_ply};
-use firstbounce_capture::pipeline::{Compared, Registration, compare_meshes, read_comparable};
+use firstbounce_capture::pipeline::{Comparable, Compared, Registration, compare_meshes, read_comparable};
 use firstbounce_core::Mesh;
 use firstbounce_core::mesh::compare::{
     AlignOptions, Alignment, Comparison, DistanceOptions, Iteration, colour_by_distance,
@@ -21,13 +21,14 @@ use super::{PrintArgs, print, print_json, print_warnings};
 
 #[derive(Args, Debug)]
 pub struct CompareArgs {
-    /// The mesh that is measured: OBJ, PLY or STL, or a capture set with true depth
+    /// The mesh that is measured: OBJ, PLY, STL or GLB, or a capture set with true depth
     #[arg(value_name = "A")]
     a: PathBuf,
     /// The reference: a mesh, or a capture set with true depth
     #[arg(value_name = "B")]
     b: PathBuf,
-    /// Lay A onto B first: iterative closest point, without any change of scale
+    /// Lay A onto B first: iterative closest point, without any change of scale; a mesh of this program onto the truth of a
+    /// set by its height alone
     #[arg(long)]
     align: bool,
     /// What one unit of the files is; sets know it themselves
@@ -78,6 +79,8 @@ struct AlignmentRecord {
     reach_mm: f64,
     converged: bool,
     searched: bool,
+    poor: bool,
+    ambiguous: bool,
     condition: f64,
     free_motions: Vec<String>,
     iterations: Vec<Iteration>,
@@ -89,15 +92,21 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
     if let Some(path) = &args.heat_map {
         refuse_to_replace(path, [&args.a, &args.b])?;
     }
-    let (a, mut warnings) = read_comparable(&args.a, args.unit.into())?;
-    let (b, warnings_b) = read_comparable(&args.b, args.unit_b.unwrap_or(args.unit).into())?;
-    warnings.extend(warnings_b);
+    let a = read_comparable(&args.a, args.unit.into())?;
+    let b = read_comparable(&args.b, args.unit_b.unwrap_or(args.unit).into())?;
+    if args.heat_map.is_some() && b.mesh.triangles.is_empty() {
+        bail!(
+            "{}: a cloud of points has no surface to colour A's distances by; leave out --heat-map",
+            args.b.display()
+        );
+    }
+    let mut warnings = [a.warnings.as_slice(), b.warnings.as_slice()].concat();
     // A place that cannot be written to is found before the work, and what happens to it later costs no number.
     let heat_map = args.heat_map.as_deref().map(HeatMap::stage).transpose()?;
     let measured = measure(args, &a, &b, &terminal);
     terminal.finish();
     let Compared { alignment, comparison, warnings: of_alignment } = measured?;
-    let written = heat_map.map_or(Ok(()), |heat_map| heat_map.write(&a, alignment.as_ref(), &comparison));
+    let written = heat_map.map_or(Ok(()), |heat_map| heat_map.write(&a.mesh, alignment.as_ref(), &comparison));
     warnings.extend(of_alignment);
     print_warnings(&warnings);
     let record = CompareRecord::of(&comparison, alignment.as_ref(), warnings);
@@ -118,10 +127,11 @@ fn refuse_to_replace(heat_map: &Path, inputs: [&PathBuf; 2]) -> anyhow::Result<(
     Ok(())
 }
 
-fn measure(args: &CompareArgs, a: &Mesh, b: &Mesh, terminal: &Terminal) -> anyhow::Result<Compared> {
-    let registration = if args.align { Registration::Align(AlignOptions::default()) } else { Registration::None };
+fn measure(args: &CompareArgs, a: &Comparable, b: &Comparable, terminal: &Terminal) -> anyhow::Result<Compared> {
+    let align = AlignOptions { freedom: a.frame.freedom(b.frame), ..AlignOptions::default() };
+    let registration = if args.align { Registration::Align(align) } else { Registration::None };
     let options = DistanceOptions { limit_mm: args.limit };
-    Ok(compare_meshes(a, b, &registration, &options, (&terminal.job("align"), &terminal.job("measure")))?)
+    Ok(compare_meshes(&a.mesh, &b.mesh, &registration, &options, (&terminal.job("align"), &terminal.job("measure")))?)
 }
 
 /// Where A lies: as it came, unless it was laid onto B.
@@ -186,11 +196,17 @@ impl AlignmentRecord {
             reach_mm: alignment.reach_mm,
             converged: alignment.converged,
             searched: alignment.searched,
+            poor: alignment.is_poor(),
+            ambiguous: alignment.ambiguous.is_some(),
             condition: alignment.condition,
             free_motions: alignment.free.iter().map(ToString::to_string).collect(),
             iterations: alignment.iterations.clone(),
         }
     }
+}
+
+fn orientation(error_deg: f64) -> String {
+    if error_deg.is_nan() { "not known: points without normals".into() } else { format!("{error_deg:.2} degrees") }
 }
 
 fn text(args: &CompareArgs, record: &CompareRecord) -> String {
@@ -204,7 +220,7 @@ fn text(args: &CompareArgs, record: &CompareRecord) -> String {
         mm("95 % are closer than", record.p95_mm),
         mm("largest distance", record.max_mm),
         row(["overlap", &format!("{:.1} %", 100.0 * record.overlap)]),
-        row(["mean orientation error", &format!("{:.2} degrees", record.orientation_error_deg)]),
+        row(["mean orientation error", &orientation(record.orientation_error_deg)]),
         row(["rotation", &format!("{:.3} degrees", record.rotation_deg)]),
         row(["translation", &format!("{x:.4}, {y:.4}, {z:.4} mm")]),
     ];

@@ -99,6 +99,45 @@ fn a_moved_copy_comes_back() {
 }
 
 #[test]
+fn a_surface_of_this_program_moves_onto_the_truth_of_its_set_by_its_height_alone() {
+    let place = tempfile::tempdir().unwrap();
+    let demo = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo");
+    let solved = firstbounce(place.path(), ["solve", demo, "--out", "out", "--method", "colours"]);
+    assert_eq!(solved.code, 0, "{}", solved.err);
+    for mesh in ["out/mesh.ply", "out/mesh.obj"] {
+        let found = firstbounce(place.path(), ["compare", mesh, demo, "--align", "--json"]).json();
+        assert_eq!(found["rotation_deg"], 0.0);
+        let shift = |axis: usize| found["translation_mm"][axis].as_f64().unwrap();
+        assert!(shift(0).abs() < 1e-6 && shift(1).abs() < 1e-6, "{found}");
+        assert_eq!((&found["alignment"]["poor"], &found["alignment"]["ambiguous"]), (&false.into(), &false.into()));
+    }
+}
+
+#[test]
+fn a_cloud_of_points_is_a_reference() {
+    let (folder, fixed) = (Folder::new(), relief());
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
+        fixed.positions.len()
+    );
+    for p in &fixed.positions {
+        text += &format!("{} {} {}\n", p.x, p.y, p.z);
+    }
+    let cloud = folder.path("cloud.ply");
+    fs::write(&cloud, text).unwrap();
+    let moved = Isometry3::translation(0.0, 0.0, 0.25);
+    let a = ply(&folder, "a.ply", &fixed.clone().moved(&moved));
+    let as_it_lies = numbers(&a, &cloud, &[]);
+    assert!(as_it_lies["bias_mm"].as_f64().unwrap() > 0.15, "A lies outside: {as_it_lies}");
+    assert!(as_it_lies["orientation_error_deg"].is_null());
+    let aligned = numbers(&a, &cloud, &["--align"]);
+    assert!(aligned["max_mm"].as_f64().unwrap() < 0.01, "{aligned}");
+    assert!((aligned["translation_mm"][2].as_f64().unwrap() + 0.25).abs() < 0.01);
+    let map = folder.path("map.ply");
+    refused(&compare(&a, &cloud, &["--heat-map", map.to_str().unwrap()]), &["cloud.ply", "--heat-map"]);
+}
+
+#[test]
 fn a_cut_and_noisy_copy_comes_back() {
     let (folder, fixed, made) = (Folder::new(), relief(), ten_and_five());
     let mut copy = with_noise(fixed.clone(), 0.05);

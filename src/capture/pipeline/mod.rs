@@ -21,7 +21,9 @@ pub use calibrate::{
     BallCircle, BallNotFound, Calibrated, CircleDoubt, DirectionDoubt, Evidence, Known, Measured, Preference,
     RatioEvidence, Source, Verdict, calibrate, calibrate_also_on_object, calibrate_for, calibrate_with, circle_of,
 };
-pub use compare::{Compared, ReferenceError, Registration, alignment_warnings, compare_meshes, read_comparable};
+pub use compare::{
+    Comparable, Compared, Frame, ReferenceError, Registration, alignment_warnings, compare_meshes, read_comparable,
+};
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, MethodErrors, NayarErrors, NayarIteration, NormalErrors, evaluate};

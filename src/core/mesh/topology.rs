@@ -101,8 +101,16 @@ pub struct Welded {
 impl Mesh {
     /// The first thing that makes this mesh unusable, if any.
     pub fn fault(&self) -> Option<MeshFault> {
-        let vertices = self.positions.len();
         if self.triangles.is_empty() {
+            return Some(MeshFault::NoTriangle { vertices: self.positions.len() });
+        }
+        self.fault_of_points().or_else(|| self.index_fault())
+    }
+
+    /// The same of its vertices alone: a cloud of points may have no triangle.
+    pub fn fault_of_points(&self) -> Option<MeshFault> {
+        let vertices = self.positions.len();
+        if vertices == 0 {
             return Some(MeshFault::NoTriangle { vertices });
         }
         for (what, found) in [("normals", self.normals.len()), ("colours", self.colours.len())] {
@@ -114,7 +122,7 @@ impl Mesh {
         if let Some(fault) = positions.or_else(|| not_finite("normals", self.normals.iter().copied())) {
             return Some(fault);
         }
-        self.extent_fault().or_else(|| self.index_fault())
+        self.extent_fault()
     }
 
     fn extent_fault(&self) -> Option<MeshFault> {

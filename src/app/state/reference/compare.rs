@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use firstbounce_capture::pipeline::{Compared, Registration, compare_meshes};
-use firstbounce_core::mesh::compare::{AlignOptions, CompareError, DistanceOptions, Start};
+use firstbounce_capture::pipeline::{Compared, Frame, Registration, compare_meshes};
+use firstbounce_core::mesh::compare::{AlignOptions, CompareError, DistanceOptions, Freedom, Start};
 use firstbounce_core::{Mesh, Portion, Watch};
 use nalgebra::Isometry3;
 use thiserror::Error;
@@ -73,13 +73,14 @@ impl Reference {
         jobs: &mut Jobs,
     ) -> Result<(), NothingToCompare> {
         let meshes = meshes.ok_or(NothingToCompare::Surface)?;
-        let reference = self.mesh().ok_or(NothingToCompare::Reference)?;
+        let loaded = self.loaded.ready().ok_or(NothingToCompare::Reference)?;
+        let (reference, freedom) = (loaded.mesh.clone(), Frame::Camera.freedom(loaded.frame));
         let name = match how {
             How::AsTheyLie => "Compare with the reference",
             How::Align(_) => "Align with the reference",
         };
         let basis = Basis { meshes: meshes.clone(), reference: reference.clone(), poses };
-        let task = jobs.start(name, move |job| outcome(&how, poses, &meshes, &reference, job));
+        let task = jobs.start(name, move |job| outcome(&how, freedom, poses, &meshes, &reference, job));
         self.compared.start(basis, task);
         self.pairs = None;
         Ok(())
@@ -102,6 +103,7 @@ impl Reference {
 
 fn outcome(
     how: &How,
+    freedom: Freedom,
     poses: Option<Poses>,
     meshes: &Meshes,
     reference: &Mesh,
@@ -113,7 +115,7 @@ fn outcome(
         let measuring = Portion { watch, from: from + 0.35, to: from + 0.5 };
         let registration = match (how, pose) {
             (How::Align(start), _) => {
-                Registration::Align(AlignOptions { start: start.clone(), search, ..AlignOptions::default() })
+                Registration::Align(AlignOptions { start: start.clone(), freedom, search, ..AlignOptions::default() })
             }
             (How::AsTheyLie, Some(pose)) => Registration::Known(Isometry3::from(pose)),
             (How::AsTheyLie, None) => Registration::None,

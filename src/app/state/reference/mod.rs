@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::mesh_file::read::LengthScale;
-use firstbounce_capture::pipeline::{ReferenceError, read_comparable, truth_mesh};
+use firstbounce_capture::mesh_file::read::{LengthScale, MeshError, MeshProblem};
+use firstbounce_capture::pipeline::{Comparable, Frame, ReferenceError, read_comparable, truth_mesh};
 use firstbounce_capture::set::{Projection, Truth};
 use firstbounce_core::Mesh;
 
@@ -27,6 +27,8 @@ pub use pairs::Pairs;
 pub struct Loaded {
     /// In mm.
     pub mesh: Arc<Mesh>,
+    /// In whose frame it lies.
+    pub frame: Frame,
     /// What it is, in words.
     pub words: String,
     /// What the user should know of it.
@@ -181,11 +183,21 @@ impl LoadKey {
 }
 
 fn load(key: &LoadKey, set: &CaptureSet) -> Result<Loaded, ReferenceError> {
-    let (name, (mesh, warnings)) = match &key.source {
-        ReferenceSource::Truth => ("the set's own truth".into(), (truth_mesh(set)?, Vec::new())),
+    let (name, Comparable { mesh, warnings, frame }) = match &key.source {
+        ReferenceSource::Truth => {
+            let truth = Comparable { mesh: truth_mesh(set)?, frame: Frame::Truth, warnings: Vec::new() };
+            ("the set's own truth".into(), truth)
+        }
         ReferenceSource::File(path) => {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-            (name, read_comparable(path, key.unit)?)
+            let read = read_comparable(path, key.unit)?;
+            // What is drawn needs a surface.
+            if let Some(fault) = read.mesh.fault() {
+                let problem = MeshProblem::Fault(fault);
+                return Err(MeshError { path: path.clone(), problem }.into());
+            }
+            // The truth of another set lies in that set's frame.
+            (name, Comparable { frame: Frame::Unknown, ..read })
         }
     };
     let size = mesh.bounds().map(|(low, high)| high - low).unwrap_or_default();
@@ -196,5 +208,5 @@ fn load(key: &LoadKey, set: &CaptureSet) -> Result<Loaded, ReferenceError> {
         size.y,
         size.z
     );
-    Ok(Loaded { mesh: Arc::new(mesh), words, warnings })
+    Ok(Loaded { mesh: Arc::new(mesh), frame, words, warnings })
 }

@@ -31,7 +31,7 @@ pub(super) fn read(path: &Path, extension: &str) -> Result<Vec<u8>, MeshProblem>
             let missing = promised.saturating_sub(bytes.len());
             append(&mut bytes, &mut rest, missing as u64)?;
         }
-        MeshFormat::Ply => append(&mut bytes, &mut rest, u64::MAX)?,
+        MeshFormat::Ply | MeshFormat::Glb => append(&mut bytes, &mut rest, u64::MAX)?,
     }
     if bytes.len() as u64 > MAX_MESH_BYTES {
         return Err(MeshProblem::TooLong { max_bytes: MAX_MESH_BYTES });

@@ -104,6 +104,11 @@ pub enum MeshWarning {
         /// How many are gone.
         count: usize,
     },
+    /// Normals that oppose their triangles, computed from these instead.
+    NormalsComputed {
+        /// How many opposed.
+        opposing: usize,
+    },
     /// Edges of more than two triangles.
     NonManifold {
         /// How many.
@@ -130,6 +135,9 @@ impl std::fmt::Display for MeshWarning {
             Self::DuplicatesJoined { count } => write!(f, "{count} vertices joined with another one at their position"),
             Self::UnusedDropped { count } => write!(f, "{count} vertices without a triangle left out"),
             Self::CollapsedDropped { count } => write!(f, "{count} triangles without an area left out"),
+            Self::NormalsComputed { opposing } => {
+                write!(f, "{opposing} normals oppose their triangles: all are computed from the triangles instead")
+            }
             Self::NonManifold { edges } => write!(f, "{edges} edges have more than two triangles"),
             Self::CoarseCoordinates { largest_mm, step_mm } => write!(
                 f,

@@ -1,8 +1,9 @@
-//! Reads a scan: OBJ, PLY or STL, told apart by what the file contains.
+//! Reads a scan: OBJ, PLY, STL or GLB, told apart by what the file contains.
 
 mod clean;
 mod contents;
 mod error;
+mod glb;
 mod obj;
 mod own;
 mod ply;
@@ -70,11 +71,14 @@ pub struct MeshFile {
     pub mesh: Mesh,
     /// What the file is.
     pub format: MeshFormat,
+    /// Whether this program wrote it: it then lies in the frame of the camera that saw it.
+    pub is_own: bool,
     /// What was put right, or is odd; each one a line by `Display`.
     pub warnings: Vec<MeshWarning>,
 }
 
-/// Reads an OBJ, PLY (text or binary) or STL (text or binary) file whose lengths are in `scale`.
+/// Reads an OBJ, PLY (text or binary) or STL (text or binary) file whose lengths are in `scale`, or a GLB, whose lengths are
+/// in metres.
 ///
 /// Polygons are split into triangles from their first corner, vertices at one position are joined, colours become
 /// linear, and normals that the file lacks are computed. A file that this program wrote states its axes, and is turned back
@@ -84,6 +88,18 @@ pub struct MeshFile {
 /// The file's path with one line that says what is wrong: not readable, none of these formats, cut off, without a
 /// surface, with coordinates that are no numbers, or with triangles whose vertices do not exist.
 pub fn read_mesh(path: &Path, scale: LengthScale) -> Result<MeshFile, MeshError> {
+    let file = read_mesh_or_points(path, scale)?;
+    match file.mesh.fault() {
+        None => Ok(file),
+        Some(fault) => Err(MeshError { path: path.to_owned(), problem: MeshProblem::Fault(fault) }),
+    }
+}
+
+/// The same, with PLY files that are clouds of points: their mesh has no triangles, and normals only where the file does.
+///
+/// # Errors
+/// As [`read_mesh`].
+pub fn read_mesh_or_points(path: &Path, scale: LengthScale) -> Result<MeshFile, MeshError> {
     let at_path = |problem| MeshError { path: path.to_owned(), problem };
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     if path.is_dir() {
@@ -97,20 +113,27 @@ pub fn read_mesh(path: &Path, scale: LengthScale) -> Result<MeshFile, MeshError>
 fn mesh_from_bytes(bytes: &[u8], extension: &str, scale: LengthScale) -> Result<MeshFile, MeshProblem> {
     let start = &bytes[..bytes.len().min(sniff::START_BYTES)];
     let format = sniff::sniff(start, bytes.len() as u64, extension)?;
-    let raw = guarded(|| match format {
-        MeshFormat::Obj if !sniff::has_obj_line(bytes) => {
-            Err(MeshProblem::UnknownFormat { looks_like: "a text without any vertex" })
-        }
-        MeshFormat::Obj => obj::parse(bytes),
-        MeshFormat::Ply => ply::parse(bytes),
-        MeshFormat::StlText => stl::parse_text(bytes),
-        MeshFormat::StlBinary => stl::parse_binary(bytes),
+    let parsed = guarded(|| {
+        let raw = match format {
+            MeshFormat::Glb => return glb::parse(bytes),
+            MeshFormat::Obj if !sniff::has_obj_line(bytes) => {
+                return Err(MeshProblem::UnknownFormat { looks_like: "a text without any vertex" });
+            }
+            MeshFormat::Obj => obj::parse(bytes),
+            MeshFormat::Ply => ply::parse(bytes),
+            MeshFormat::StlText => stl::parse_text(bytes),
+            MeshFormat::StlBinary => stl::parse_binary(bytes),
+        };
+        Ok((raw?, Header::of(bytes, format)))
     });
     let gave_up = |Panicked| MeshProblem::Malformed { format, reason: "its reader gave up".to_owned() };
-    let raw = raw.map_err(gave_up)??;
-    let (mut mesh, mut warnings) = clean::clean(raw, scale)?;
-    let header = Header::of(bytes, format);
-    if header.in_pixels && scale == LengthScale::default() {
+    let (raw, header) = parsed.map_err(gave_up)??;
+    // glTF has one unit, and that is its own.
+    let scale = if format == MeshFormat::Glb { LengthScale::Metre } else { scale };
+    let is_believed = format == MeshFormat::Glb || scale == LengthScale::default();
+    let is_cloud = format == MeshFormat::Ply && raw.triangles.is_empty() && !raw.positions.is_empty();
+    let (mut mesh, mut warnings) = if is_cloud { clean::points(raw, scale)? } else { clean::clean(raw, scale)? };
+    if header.in_pixels && is_believed {
         mesh.unit = LengthUnit::Pixel;
         warnings.push(MeshWarning::InPixels);
     }
@@ -121,7 +144,7 @@ fn mesh_from_bytes(bytes: &[u8], extension: &str, scale: LengthScale) -> Result<
     if !extension.is_empty() && extension != format.extension() {
         warnings.insert(0, MeshWarning::WrongExtension { extension: extension.to_owned(), format });
     }
-    Ok(MeshFile { mesh, format, warnings })
+    Ok(MeshFile { mesh, format, is_own: header.is_own, warnings })
 }
 
 /// What a format's own reader hands over: in the file's unit, nothing checked or joined yet.

@@ -10,6 +10,8 @@ const STL_WORDS: usize = 80;
 /// The unit and the axes that this program wrote a mesh in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Header {
+    /// This program wrote the file.
+    pub is_own: bool,
     /// Lengths are in pixels, for the camera had no scale.
     pub in_pixels: bool,
     /// z points up.
@@ -25,9 +27,10 @@ impl Header {
             MeshFormat::Obj => start.starts_with("# Firstbounce mesh\n"),
             MeshFormat::Ply => start.lines().nth(2) == Some("comment Firstbounce mesh"),
             MeshFormat::StlBinary => start.starts_with("Firstbounce mesh, "),
-            MeshFormat::StlText => false,
+            // Its reader says it.
+            MeshFormat::StlText | MeshFormat::Glb => false,
         };
         let says = |words: &str| is_own && start.contains(words);
-        Self { in_pixels: says("unit: pixels") || says("unit pixels"), z_up: says(" x right, z up, ") }
+        Self { is_own, in_pixels: says("unit: pixels") || says("unit pixels"), z_up: says(" x right, z up, ") }
     }
 }

@@ -20,11 +20,13 @@ pub enum MeshFormat {
     StlText,
     /// STL in numbers.
     StlBinary,
+    /// glTF in one binary file.
+    Glb,
 }
 
 impl MeshFormat {
     /// The extensions of all.
-    pub const EXTENSIONS: [&'static str; 3] = ["obj", "ply", "stl"];
+    pub const EXTENSIONS: [&'static str; 4] = ["obj", "ply", "stl", "glb"];
 
     /// The extension that such a file should have.
     pub fn extension(self) -> &'static str {
@@ -32,6 +34,7 @@ impl MeshFormat {
             Self::Obj => "obj",
             Self::Ply => "ply",
             Self::StlText | Self::StlBinary => "stl",
+            Self::Glb => "glb",
         }
     }
 }
@@ -43,13 +46,14 @@ impl std::fmt::Display for MeshFormat {
             Self::Ply => "PLY",
             Self::StlText => "STL (text)",
             Self::StlBinary => "STL (binary)",
+            Self::Glb => "glTF (binary)",
         })
     }
 }
 
 /// Files that people pick by mistake.
 const STRANGERS: [(&[u8], &str); 8] = [
-    (b"glTF", "a glTF file"),
+    (b"{", "a glTF file in text, whose numbers lie elsewhere (export it as .glb)"),
     (b"\x89PNG", "a PNG picture"),
     (b"\xff\xd8\xff", "a JPEG picture"),
     (b"II*\0", "a TIFF picture"),
@@ -65,6 +69,9 @@ pub(super) fn sniff(start: &[u8], length: u64, extension: &str) -> Result<MeshFo
     if start.is_empty() {
         return Err(MeshProblem::EmptyFile);
     }
+    if start.starts_with(b"glTF") {
+        return Ok(MeshFormat::Glb);
+    }
     if start.starts_with(b"ply\n") || start.starts_with(b"ply\r") {
         return Ok(MeshFormat::Ply);
     }
@@ -74,7 +81,8 @@ pub(super) fn sniff(start: &[u8], length: u64, extension: &str) -> Result<MeshFo
     }
     // Comments may be in any encoding, but no text holds a zero byte.
     let is_text = !start.contains(&0);
-    if is_text && start.trim_ascii_start().starts_with(b"solid") {
+    let text = without_mark(start).trim_ascii_start();
+    if is_text && text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) {
         return Ok(MeshFormat::StlText);
     }
     if let Some((_, looks_like)) = STRANGERS.iter().find(|(magic, _)| start.starts_with(magic)) {
@@ -89,10 +97,15 @@ pub(super) fn sniff(start: &[u8], length: u64, extension: &str) -> Result<MeshFo
     }
 }
 
+/// A text without its byte order mark.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
 /// Whether any line of a text is one of an OBJ's.
 pub(super) fn has_obj_line(bytes: &[u8]) -> bool {
     let is_obj_line = |line: &[u8]| line.starts_with(b"v ") || line.starts_with(b"v\t") || line.starts_with(b"f ");
-    bytes.split(|&byte| byte == b'\n').any(|line| is_obj_line(line.trim_ascii_start()))
+    without_mark(bytes).split(|&byte| byte == b'\n').any(|line| is_obj_line(line.trim_ascii_start()))
 }
 
 /// The number of triangles that a binary STL of these bytes would have.

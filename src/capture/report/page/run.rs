@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use firstbounce_core::Plane;
 use maud::{Markup, html};
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use rayon::prelude::*;
 
 use super::frame::page;
@@ -249,8 +250,15 @@ fn export(report: &Report) -> Markup {
 
 fn files(report: &Report) -> Markup {
     html! {
-        table { @for (name, what) in &report.files { tr { td { a href=(name) { (name) } } td { (what) } } } }
+        table { @for (name, what) in &report.files { tr { td { a href=(link_to(name)) { (name) } } td { (what) } } } }
     }
+}
+
+/// What a link to a file beside the page may hold as it is (RFC 3986); all else would end it or mean something.
+const IN_LINKS: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/');
+
+fn link_to(name: &str) -> String {
+    utf8_percent_encode(name, IN_LINKS).to_string()
 }
 
 fn costs(report: &Report) -> Markup {
@@ -288,4 +296,16 @@ fn sum_of(planes: &[Plane]) -> Plane {
         sum.data_mut().par_iter_mut().zip(plane.data()).for_each(|(sum, value)| *sum += value);
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_to_files_with_signs_that_mean_something_lead_there() {
+        assert_eq!(link_to("direct-left.exr"), "direct-left.exr");
+        assert_eq!(link_to("direct-lamp #1 100%?.exr"), "direct-lamp%20%231%20100%25%3F.exr");
+        assert_eq!(link_to("direct-\u{fc}ber.exr"), "direct-%C3%BCber.exr");
+    }
 }

@@ -1,44 +1,52 @@
 //! Rigid alignment by iterative closest point.
 
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3};
 
 use super::motion::MotionEquations;
 use super::pairs::{Gate, Pairs, Samples};
+use super::search::{is_free, is_same, other_starts};
 use super::surface::Surface;
-use super::{AlignOptions, CompareError, FreeMotion, Side, Start, rigid_from_pairs};
+use super::{AlignOptions, CompareError, FreeMotion, Freedom, Side, Start, rigid_from_pairs};
 use crate::{Mesh, Watch};
 
 /// One pass from coarse to fine.
-struct Level {
+pub(super) struct Level {
     /// Its number in the report; 0 is the coarsest.
-    number: usize,
+    pub number: usize,
     /// Every how many-th sample takes part.
-    step: usize,
+    pub step: usize,
     /// How far a pair may reach at least, as a fraction of the reference's diagonal.
-    reach: f64,
+    pub reach: f64,
     /// The smallest cosine between the normals of a pair.
-    least_cosine: f64,
+    pub least_cosine: f64,
     /// The level ends when a step moves the points by less than this fraction of the diagonal,
-    still: f64,
+    pub still: f64,
     /// or after this many iterations, if the options do not say fewer.
-    iterations: usize,
+    pub iterations: usize,
 }
 
-const SCOUT: Level = Level { number: 0, step: 64, reach: 0.2, least_cosine: 0.2, still: 1e-3, iterations: 20 };
-const FIRST: Level = Level { number: 0, step: 16, reach: 0.2, least_cosine: 0.2, still: 1e-4, iterations: usize::MAX };
+pub(super) const FIRST: Level =
+    Level { number: 0, step: 16, reach: 0.2, least_cosine: 0.2, still: 1e-4, iterations: usize::MAX };
 const SECOND: Level = Level { number: 1, step: 4, reach: 0.05, least_cosine: 0.5, still: 1e-5, iterations: usize::MAX };
 const LAST: Level = Level { number: 2, step: 1, reach: 0.0, least_cosine: 0.5, still: 2e-7, iterations: usize::MAX };
 
 /// Vertices of the reference at the first level.
 const COARSE_VERTICES: usize = 10_000;
-/// How many of the searched starts go on from scouting to the first level.
-const SCOUTS_KEPT: usize = 3;
 /// A start whose first level leaves less than this fraction of the diagonal, over half the mesh, is right.
 const GOOD_RMS: f64 = 0.002;
 const GOOD_OVERLAP: f64 = 0.5;
 /// A start that was searched must be better than the given one by this factor: an object of revolution must not turn.
-const SEARCH_MUST_GAIN: f64 = 0.5;
-const SEARCH_TURNS_DEG: [f64; 4] = [25.0, -25.0, 50.0, -50.0];
+const SEARCH_MUST_GAIN: f64 = 0.9;
+/// How many searched starts are compared at the second level.
+const COMPARED: usize = 2;
+/// Poses whose costs differ by less than this factor cannot be told apart.
+const AS_GOOD: f64 = 1.2;
+/// Costs below this fraction of the diagonal are as good as none.
+const NO_COST: f64 = 1e-5;
+/// Of surfaces that lie on each other inside out, at least so many points face away.
+const INSIDE_OUT_SHARE: f64 = 0.8;
+/// A fit that leaves this part of the reference's relief, where all of the mesh lies on it, is poor.
+const POOR_SHARE: f64 = 0.3;
 
 /// One step of the alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,13 +85,31 @@ pub struct Alignment {
     pub condition: f64,
     /// Motions that the surfaces leave free; along these the result is a guess, and each one says so by `Display`.
     pub free: Vec<FreeMotion>,
+    /// How far the reference's points lie from their best plane, root mean square, in mm.
+    pub relief_mm: f64,
+    /// Another motion under which the surfaces fit as well: which of the two is right, they do not show.
+    pub ambiguous: Option<Isometry3<f64>>,
+}
+
+impl Alignment {
+    /// Whether the fit leaves as much as surfaces leave that do not belong together.
+    pub fn is_poor(&self) -> bool {
+        // What slides or turns is reported as such: a plane has no relief.
+        self.free.is_empty() && is_poor(self.rms_mm, self.overlap, self.relief_mm)
+    }
+}
+
+/// Whether surfaces that do not belong together lie as well on each other: they fit where they happen to be near.
+fn is_poor(rms_mm: f64, overlap: f64, relief_mm: f64) -> bool {
+    rms_mm > POOR_SHARE * relief_mm * overlap
 }
 
 /// Lays `moving` onto `fixed`: iterative closest point with point-to-plane residuals (Chen and Medioni 1991), pairs to
 /// the closest point of a triangle, without those at the border and the worst part of the rest (trimmed: Chetverikov
 /// et al. 2002), in three levels from coarse to fine.
 ///
-/// From the camera's frame it finds back from 10 degrees and 5 % of the diagonal; beyond that it tries other starts.
+/// Where the given start does not fit it tries all rotations about the centres; the lowest cost wins. Fits that are poor,
+/// or as good under another motion, are reported.
 ///
 /// # Errors
 /// Meshes that are empty, not finite, or in pixels; an option outside its range; picked pairs on a line; no overlap, with
@@ -103,15 +129,17 @@ pub fn align(
         Start::Pose(pose) => *pose,
         Start::Pairs(pairs) => rigid_from_pairs(pairs)?.motion,
     };
-    let given = between_centres(&given, &samples.centre, &surface.centre);
+    let mut given = between_centres(&given, &samples.centre, &surface.centre);
+    if options.freedom == Freedom::AlongZ {
+        // However far apart the heights are: the middles of both meshes at one.
+        given.translation.vector.z = 0.0;
+    }
     watch.progress(0.2);
 
     let job = Job { surface: &surface, coarse_surface: &coarse_surface, samples: &samples, options, watch };
-    let (run, searched) = job.search(job.level(&FIRST, Run::from(given))?)?;
-    watch.progress(0.6);
-    let run = job.level(&SECOND, run)?;
+    let found = job.search(job.level(&FIRST, Run::from(given))?)?;
     watch.progress(0.8);
-    job.finish(job.level(&LAST, run)?, searched)
+    job.finish(found)
 }
 
 /// A pose between two frames, as the pose between the same frames with their origins at the given centres.
@@ -121,12 +149,20 @@ fn between_centres(pose: &Isometry3<f64>, from: &Point3<f64>, to: &Point3<f64>) 
 
 /// How far one start has come.
 #[derive(Clone)]
-struct Run {
-    pose: Isometry3<f64>,
+pub(super) struct Run {
+    pub pose: Isometry3<f64>,
     iterations: Vec<Iteration>,
     rms_mm: f64,
     overlap: f64,
     converged: bool,
+}
+
+/// The start that won, at the second level.
+struct Found {
+    run: Run,
+    searched: bool,
+    /// The next best, where it differs.
+    other: Option<Run>,
 }
 
 impl From<Isometry3<f64>> for Run {
@@ -138,17 +174,17 @@ impl From<Isometry3<f64>> for Run {
 impl Run {
     /// Smaller is better: the residual, weighed up for the part of the mesh that it does not cover (as in Phillips, Liu
     /// and Tomasi 2007, whose exponent for meshes is 3).
-    fn cost(&self) -> f64 {
+    pub fn cost(&self) -> f64 {
         if self.overlap > 0.0 { self.rms_mm / self.overlap.powi(3) } else { f64::INFINITY }
     }
 }
 
-struct Job<'a> {
-    surface: &'a Surface,
+pub(super) struct Job<'a> {
+    pub surface: &'a Surface,
     coarse_surface: &'a Surface,
-    samples: &'a Samples,
+    pub samples: &'a Samples,
     options: &'a AlignOptions,
-    watch: &'a dyn Watch,
+    pub watch: &'a dyn Watch,
 }
 
 impl Job<'_> {
@@ -162,7 +198,7 @@ impl Job<'_> {
     }
 
     /// Iterates at one level until the points rest.
-    fn level(&self, level: &Level, mut run: Run) -> Result<Run, CompareError> {
+    pub fn level(&self, level: &Level, mut run: Run) -> Result<Run, CompareError> {
         let samples = self.samples.every(level.step);
         let surface = if level.number == 0 { self.coarse_surface } else { self.surface };
         run.converged = false;
@@ -182,7 +218,10 @@ impl Job<'_> {
                 overlap: run.overlap,
             });
             let Some(equations) = MotionEquations::new(&pairs.kept) else { break };
-            let (motion, moved_mm) = equations.solve();
+            let (motion, moved_mm) = match self.options.freedom {
+                Freedom::Rigid => equations.solve(),
+                Freedom::AlongZ => equations.solve_along_z(),
+            };
             run.pose = motion * run.pose;
             if moved_mm < level.still * self.surface.diagonal_mm {
                 run.converged = true;
@@ -192,26 +231,34 @@ impl Job<'_> {
         Ok(run)
     }
 
-    /// Keeps the given start if it fits; else tries turns about the centres. One of those must fit, and clearly better
-    /// than the given one: it was not asked for, and smooth surfaces fit each other somewhere even if they are unrelated.
-    fn search(&self, given: Run) -> Result<(Run, bool), CompareError> {
-        if self.fits(&given) || !self.options.search {
-            return Ok((given, false));
+    /// Tries other starts than the given one; the lowest cost wins at the second level. One that was searched was not asked
+    /// for: it must be clearly better, and where the given one lies nowhere on the reference it must fit well, for smooth
+    /// surfaces fit each other somewhere even if they are unrelated.
+    fn search(&self, given: Run) -> Result<Found, CompareError> {
+        let is_fixed = !self.options.search || self.options.freedom == Freedom::AlongZ;
+        if is_fixed || self.lies_inside_out(&given) {
+            return Ok(Found { run: self.level(&SECOND, given)?, searched: false, other: None });
         }
-        let starts = other_starts();
-        let mut scouts = Vec::with_capacity(starts.len());
-        for (tried, pose) in starts.iter().enumerate() {
-            scouts.push(self.level(&SCOUT, Run::from(*pose))?);
-            self.watch.progress(0.2 + 0.4 * tried as f32 / starts.len() as f32);
+        let others = other_starts(self, &given, !self.fits(&given))?;
+        let others = others.into_iter().filter(|other| !is_same(self, &other.pose, &given.pose)).take(COMPARED);
+        let mut others = others.map(|other| self.level(&SECOND, other)).collect::<Result<Vec<_>, _>>()?;
+        others.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
+        let given = self.level(&SECOND, given)?;
+        let mut others = others.into_iter();
+        let Some(best) = others.next() else { return Ok(Found { run: given, searched: false, other: None }) };
+        let relief_mm = self.surface.relief_mm();
+        let may_win = given.overlap >= self.options.minimum_overlap || !is_poor(best.rms_mm, best.overlap, relief_mm);
+        if may_win && best.cost() < SEARCH_MUST_GAIN * given.cost() {
+            let next = others.next().filter(|next| next.cost() < given.cost()).unwrap_or(given);
+            return Ok(Found { run: best, searched: true, other: Some(next) });
         }
-        scouts.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
-        for scout in scouts.into_iter().take(SCOUTS_KEPT) {
-            let run = self.level(&FIRST, Run::from(scout.pose))?;
-            if self.fits(&run) && run.cost() < SEARCH_MUST_GAIN * given.cost() {
-                return Ok((run, true));
-            }
-        }
-        Ok((given, false))
+        Ok(Found { run: given, searched: false, other: Some(best) })
+    }
+
+    /// Whether the surfaces lie on each other and face opposite ways: turned over they may fit somehow, which is not meant.
+    fn lies_inside_out(&self, run: &Run) -> bool {
+        let pairs = self.samples.every(FIRST.step).pairs(self.coarse_surface, &run.pose, self.gate(&LAST));
+        pairs.facing_away as f64 > INSIDE_OUT_SHARE * pairs.asked as f64
     }
 
     fn fits(&self, run: &Run) -> bool {
@@ -219,24 +266,38 @@ impl Job<'_> {
     }
 
     /// Measures the result at the final pose, and refuses one without overlap.
-    fn finish(&self, run: Run, searched: bool) -> Result<Alignment, CompareError> {
+    fn finish(&self, Found { run, searched, other }: Found) -> Result<Alignment, CompareError> {
+        let no_cost = NO_COST * self.surface.diagonal_mm;
+        let as_good = other.filter(|other| other.cost() <= AS_GOOD * run.cost() + no_cost);
+        let run = self.level(&LAST, run)?;
         let mut pairs = self.samples.pairs(self.surface, &run.pose, self.gate(&LAST));
         let overlap = pairs.overlap();
         self.refuse_no_overlap(&pairs, overlap)?;
         pairs.trim(self.options.trim);
         let equations =
             MotionEquations::new(&pairs.kept).ok_or(CompareError::TooFewPairs { pairs: pairs.kept.len() })?;
-        let (moving, fixed) = (-self.samples.centre.coords, -self.surface.centre.coords);
+        let free = match self.options.freedom {
+            Freedom::Rigid => equations.free_motions(&self.surface.centre),
+            Freedom::AlongZ => vec![],
+        };
+        let as_good =
+            as_good.filter(|other| !is_same(self, &other.pose, &run.pose) && !is_free(&run.pose, &other.pose, &free));
+        let between = |pose: &Isometry3<f64>| {
+            let (moving, fixed) = (-self.samples.centre.coords, -self.surface.centre.coords);
+            between_centres(pose, &moving.into(), &fixed.into())
+        };
         self.watch.progress(1.0);
         Ok(Alignment {
-            moving_to_fixed: between_centres(&run.pose, &moving.into(), &fixed.into()),
+            moving_to_fixed: between(&run.pose),
             rms_mm: pairs.rms_mm(),
             overlap,
             reach_mm: self.reach_mm(),
             converged: run.converged,
             searched,
             condition: equations.condition(),
-            free: equations.free_motions(&self.surface.centre),
+            free,
+            relief_mm: self.surface.relief_mm(),
+            ambiguous: as_good.map(|other| between(&other.pose)),
             iterations: run.iterations,
         })
     }
@@ -252,17 +313,4 @@ impl Job<'_> {
             false => Err(CompareError::NoOverlap { overlap, minimum }),
         }
     }
-}
-
-/// The centres on each other, unturned and turned both ways about 7 axes: those of a cube through its faces and corners.
-fn other_starts() -> Vec<Isometry3<f64>> {
-    let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let axes = [x, y, z, x + y + z, x + y - z, x - y + z, y + z - x].map(UnitVector3::new_normalize);
-    let turned = axes.into_iter().flat_map(|axis| {
-        SEARCH_TURNS_DEG.map(|degrees: f64| {
-            let turn = UnitQuaternion::from_axis_angle(&axis, degrees.to_radians());
-            Isometry3::from_parts(Translation3::identity(), turn)
-        })
-    });
-    std::iter::once(Isometry3::identity()).chain(turned).collect()
 }

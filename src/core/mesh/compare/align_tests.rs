@@ -103,6 +103,65 @@ fn a_large_turn_is_found_by_search_and_by_picked_pairs() {
     assert!(!found.searched && mm < 0.01, "{mm} mm");
 }
 
+/// The bumps as this program finds them: off by half a millimetre, slowly.
+fn measured(x: f64, y: f64) -> f64 {
+    bumps(x, y) + 0.5 * (x / 15.0 + y / 21.0).sin()
+}
+
+#[test]
+fn a_scan_in_its_own_frame_is_found_however_far_and_however_turned() {
+    let fixed = relief(100, 0.8, bumps);
+    let surface = relief(110, 0.7, measured);
+    let there = align(&surface, &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+    assert!(!there.searched && !there.is_poor() && there.ambiguous.is_none(), "{there:?}");
+    let motions = [
+        motion([0.0, 0.0, 1.0], 0.0, [300.0, 0.0, 0.0]),
+        motion([0.0, 0.0, 1.0], 180.0, [0.0; 3]),
+        motion([0.0, 1.0, 0.0], 180.0, [10.0, -5.0, 40.0]),
+        motion([1.0, 0.0, 0.0], 90.0, [0.0, 100.0, 0.0]),
+        motion([0.3, -0.8, 0.5], 137.0, [-40.0, 900.0, 60.0]),
+    ];
+    for made in motions {
+        let found = align(&surface.clone().moved(&made), &fixed, &AlignOptions::default(), &Unwatched).unwrap();
+        let (mm, degrees) = left_over(&surface, &made, &(there.moving_to_fixed.inverse() * found.moving_to_fixed));
+        assert!(mm < 0.1 && degrees < 0.1, "{made}: {mm} mm, {degrees} degrees");
+        assert!(!found.is_poor() && found.ambiguous.is_none(), "{made}");
+    }
+}
+
+#[test]
+fn a_fit_that_is_as_good_under_another_turn_is_reported() {
+    let pyramid = relief(80, 0.5, |x, y| -(x.abs() + y.abs()));
+    let turned = pyramid.clone().moved(&motion([0.0, 0.0, 1.0], 130.0, [50.0, 0.0, 0.0]));
+    for moving in [&pyramid, &turned] {
+        let found = align(moving, &pyramid, &AlignOptions::default(), &Unwatched).unwrap();
+        let other = found.ambiguous.unwrap_or_else(|| panic!("{found:?}"));
+        let between = (other.rotation * found.moving_to_fixed.rotation.inverse()).angle().to_degrees();
+        assert!((between / 90.0 - (between / 90.0).round()).abs() < 0.02, "{between} degrees");
+        assert!(!found.is_poor());
+    }
+}
+
+#[test]
+fn a_fit_of_surfaces_that_do_not_belong_together_is_poor() {
+    let one = relief(80, 0.5, bumps);
+    let other = relief(80, 0.5, |x, y| 3.0 * (x / 3.0).sin() * (y / 5.0 + 1.0).cos());
+    let found = align(&other, &one, &AlignOptions::default(), &Unwatched).unwrap();
+    assert!(found.is_poor(), "{} mm of {} mm", found.rms_mm, found.relief_mm);
+}
+
+#[test]
+fn in_one_camera_frame_the_height_alone_is_free() {
+    let fixed = relief(100, 0.8, bumps);
+    let surface = relief(110, 0.7, measured).moved(&Isometry3::translation(0.0, 0.0, 250.0));
+    let options = AlignOptions { freedom: Freedom::AlongZ, ..AlignOptions::default() };
+    let found = align(&surface, &fixed, &options, &Unwatched).unwrap();
+    let shift = found.moving_to_fixed.translation.vector;
+    assert!(found.moving_to_fixed.rotation.angle() < 1e-12 && shift.x.abs() + shift.y.abs() < 1e-9, "{found:?}");
+    assert!((shift.z + 250.0).abs() < 0.2, "{}", shift.z);
+    assert!(!found.searched && found.free.is_empty() && found.ambiguous.is_none() && !found.is_poor());
+}
+
 #[test]
 fn coordinates_of_a_kilometre_cost_no_more_than_their_f32_step() {
     let far = Isometry3::translation(1e6, -1e6, 1e6);

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use rayon::prelude::*;
 
 use super::surface::Surface;
-use super::{CompareError, Side, check_mesh};
+use super::{CompareError, Side, check_points};
 use crate::options::check_range;
 use crate::{Mesh, Watch};
 
@@ -48,7 +48,7 @@ pub struct Comparison {
     pub max_mm: f64,
     /// Fraction of A's vertices that have a counterpart, 0 to 1.
     pub overlap: f64,
-    /// Mean angle between A's vertex normals and B's normals at the closest points.
+    /// Mean angle between A's vertex normals and B's normals at the closest points; NaN for points without normals.
     pub orientation_error_deg: f64,
     /// Angle of the rotation that was applied to A.
     pub rotation_deg: f64,
@@ -71,10 +71,15 @@ pub fn distances(
     watch: &dyn Watch,
 ) -> Result<Comparison, CompareError> {
     options.check()?;
-    check_mesh(a, Side::Moving)?;
+    check_points(a, Side::Moving)?;
     let surface = Surface::new(b, Side::Fixed)?;
     let limit_mm = options.limit_mm.unwrap_or(0.1 * surface.diagonal_mm);
-    let computed = if a.normals.is_empty() { a.area_weighted_normals() } else { vec![] };
+    // The normals of points that have none are of no direction, and so is their angle to any.
+    let computed = match (a.normals.is_empty(), a.triangles.is_empty()) {
+        (true, true) => vec![Vector3::repeat(f32::NAN); a.positions.len()],
+        (true, false) => a.area_weighted_normals(),
+        (false, _) => vec![],
+    };
     let normals = if a.normals.is_empty() { &computed } else { &a.normals };
 
     let mut met = Vec::with_capacity(a.positions.len());

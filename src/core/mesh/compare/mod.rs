@@ -3,7 +3,8 @@
 //! [`align`] finds the rigid motion that lays one mesh onto another (iterative closest point, point to plane);
 //! [`distances`] measures every vertex of one mesh against the surface of the other; [`colour_by_distance`] paints what
 //! it found. Scans are partial, so a vertex whose closest point lies beyond the border of the other surface has no
-//! counterpart there: it counts as not overlapping and enters no figure.
+//! counterpart there: it counts as not overlapping and enters no figure. The moving side may be a cloud of points without
+//! triangles.
 
 mod align;
 #[cfg(test)]
@@ -16,6 +17,7 @@ mod motion;
 mod options;
 mod pairs;
 mod rigid;
+mod search;
 mod surface;
 #[cfg(test)]
 pub(crate) mod test_meshes;
@@ -27,7 +29,7 @@ pub use deviation::{Deviation, deviation};
 pub use distances::{Comparison, DistanceOptions, distances};
 pub use heat_map::colour_by_distance;
 pub use motion::FreeMotion;
-pub use options::{AlignOptions, Start};
+pub use options::{AlignOptions, Freedom, Start};
 pub use rigid::{RigidFit, rigid_from_pairs};
 
 use crate::mesh::topology::MeshFault;
@@ -135,6 +137,14 @@ fn check_sound(mesh: &Mesh, side: Side) -> Result<(), CompareError> {
 /// Refuses a mesh that cannot be measured in mm.
 fn check_mesh(mesh: &Mesh, side: Side) -> Result<(), CompareError> {
     check_sound(mesh, side)?;
+    check_points(mesh, side)
+}
+
+/// Refuses points that cannot be measured in mm; the moving side needs no triangles.
+fn check_points(mesh: &Mesh, side: Side) -> Result<(), CompareError> {
+    if let Some(fault) = mesh.fault_of_points() {
+        return Err(CompareError::Mesh { side, fault });
+    }
     if mesh.unit != LengthUnit::Millimetre {
         return Err(CompareError::NotInMillimetres { side });
     }

@@ -64,6 +64,7 @@ fn axis_name(direction: &Vector3<f64>) -> String {
 pub(super) struct MotionEquations {
     middle: Point3<f64>,
     radius_mm: f64,
+    left: Matrix6<f64>,
     right: Vector6<f64>,
     eigen: SymmetricEigen<f64, nalgebra::U6>,
 }
@@ -94,8 +95,9 @@ impl MotionEquations {
             .collect();
         let left: Matrix6<f64> = blocks.iter().map(|(left, _)| left).sum();
         let right: Vector6<f64> = blocks.iter().map(|(_, right)| right).sum();
-        let eigen = linear_algebra::symmetric_eigen(left / count)?;
-        Some(Self { middle, radius_mm, right: right / count, eigen })
+        let left = left / count;
+        let eigen = linear_algebra::symmetric_eigen(left)?;
+        Some(Self { middle, radius_mm, left, right: right / count, eigen })
     }
 
     /// The motion that best closes the pairs, and how far it moves their points on average, in mm. It does not go where
@@ -112,6 +114,14 @@ impl MotionEquations {
         let slide = Vector3::from(step.fixed_rows::<3>(3));
         let about_middle = Isometry3::rotation_wrt_point(UnitQuaternion::from_scaled_axis(turn), self.middle);
         (Translation3::from(slide) * about_middle, step.norm())
+    }
+
+    /// The same of shifts along z alone.
+    pub fn solve_along_z(&self) -> (Isometry3<f64>, f64) {
+        const Z: usize = 5;
+        let weight = self.left[(Z, Z)];
+        let shift_mm = if weight > UNKNOWN_BELOW.powi(2) { self.right[Z] / weight } else { 0.0 };
+        (Isometry3::translation(0.0, 0.0, shift_mm), shift_mm.abs())
     }
 
     /// Ratio of the largest to the smallest singular value of the equations; 1 is best.

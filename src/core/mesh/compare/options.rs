@@ -17,12 +17,25 @@ pub enum Start {
     Pairs(Vec<(Point3<f64>, Point3<f64>)>),
 }
 
+/// What an alignment may change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Freedom {
+    /// Any turn and shift.
+    #[default]
+    Rigid,
+    /// The height alone: both meshes are in one camera's frame, which does not show it.
+    AlongZ,
+}
+
 /// How to align.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlignOptions {
     /// Where to begin.
     pub start: Start,
-    /// Whether to try turns of up to 50 degrees about the centres where `start` alone does not settle.
+    /// What may change.
+    pub freedom: Freedom,
+    /// Whether to try all rotations about the centres where `start` does not fit, and those of a symmetric object where it
+    /// does.
     pub search: bool,
     /// The fraction of pairs with the largest residuals that each step leaves out, 0 to 0.9.
     pub trim: f64,
@@ -41,6 +54,7 @@ impl Default for AlignOptions {
     fn default() -> Self {
         Self {
             start: Start::default(),
+            freedom: Freedom::default(),
             search: true,
             trim: 0.2,
             reach_mm: None,

@@ -4,8 +4,8 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use rayon::prelude::*;
 
 use super::cells::first_in_cell;
-use super::surface::{Surface, centre_and_diagonal};
-use super::{CompareError, Side, check_mesh};
+use super::surface::{Surface, box_of, centre_and_diagonal};
+use super::{CompareError, Side, check_mesh, check_points};
 use crate::Mesh;
 
 /// Points of the moving mesh, relative to the middle of its bounding box, with their normals.
@@ -76,6 +76,10 @@ impl Samples {
     /// About `wanted` vertices, spread evenly over the surface: the first one in each cell of a grid whose cells hold
     /// one each on average. All of them where the mesh has fewer.
     pub fn of_mesh(mesh: &Mesh, wanted: usize) -> Result<Self, CompareError> {
+        check_points(mesh, Side::Moving)?;
+        if mesh.triangles.is_empty() {
+            return Self::of_cloud(mesh, wanted);
+        }
         check_mesh(mesh, Side::Moving)?;
         let (mesh, _) = mesh.welded();
         let (centre, _) = centre_and_diagonal(&mesh, Side::Moving)?;
@@ -90,9 +94,24 @@ impl Samples {
         Ok(Self { points, centre })
     }
 
+    /// About `wanted` points of a cloud; without normals in the file every direction fits.
+    fn of_cloud(cloud: &Mesh, wanted: usize) -> Result<Self, CompareError> {
+        let (centre, _) = box_of(cloud).ok_or(CompareError::NoExtent { side: Side::Moving })?;
+        let normal = |index: usize| cloud.normals.get(index).map_or_else(Vector3::zeros, |normal| normal.cast());
+        let step = (cloud.positions.len() / wanted.max(1)).max(1);
+        let chosen = (0..cloud.positions.len()).step_by(step);
+        let points = chosen.map(|index| (Point3::from(cloud.positions[index].cast::<f64>() - centre), normal(index)));
+        Ok(Self { points: points.collect(), centre })
+    }
+
     /// Every `step`-th sample.
     pub fn every(&self, step: usize) -> Self {
         Self { points: self.points.iter().copied().step_by(step.max(1)).collect(), centre: self.centre }
+    }
+
+    /// The samples by themselves, relative to the centre.
+    pub fn points(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.points.iter().map(|(point, _)| point.coords)
     }
 
     /// How many samples there are.
@@ -108,7 +127,8 @@ impl Samples {
             .filter_map(|(point, normal)| {
                 let from = pose * point;
                 let foot = surface.closest(&from, gate.reach_mm)?;
-                let cosine = foot.normal.dot(&(pose.rotation * normal));
+                let faces_anywhere = *normal == Vector3::zeros();
+                let cosine = if faces_anywhere { 1.0 } else { foot.normal.dot(&(pose.rotation * normal)) };
                 (!foot.beyond_border).then_some((Pair { from, to: foot.point, normal: foot.normal }, cosine))
             })
             .collect();

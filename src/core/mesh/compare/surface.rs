@@ -1,14 +1,14 @@
 //! The reference as a surface that answers: what is your closest point, and is it on your border?
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use parry3d::math::Vector;
 use parry3d::query::PointQueryWithLocation;
 use parry3d::shape::{TriMesh, TrianglePointLocation};
 
 use super::cells::clustered;
 use super::{CompareError, Side, check_mesh, check_sound};
-use crate::Mesh;
 use crate::mesh::topology::OpenEdges;
+use crate::{Mesh, linear_algebra};
 
 /// Sideways distance from the border, as a fraction of the diagonal, up to which a point still lies on the surface: it
 /// keeps the border of a mesh on the border of its own copy.
@@ -72,6 +72,20 @@ impl Surface {
         Ok(Self { triangles, normals, open, on_border, centre, diagonal_mm })
     }
 
+    /// The vertices, relative to the centre.
+    pub fn points(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.triangles.vertices().iter().map(|vertex| Vector3::from(vertex.to_array()).cast())
+    }
+
+    /// How far the vertices lie from their best plane, root mean square.
+    pub fn relief_mm(&self) -> f64 {
+        let count = self.triangles.vertices().len().max(1) as f64;
+        let middle = self.points().sum::<Vector3<f64>>() / count;
+        let spread: Matrix3<f64> = self.points().map(|point| (point - middle) * (point - middle).transpose()).sum();
+        let eigen = linear_algebra::symmetric_eigen(spread / count);
+        eigen.map_or(0.0, |eigen| eigen.eigenvalues.min().max(0.0).sqrt())
+    }
+
     /// The closest point to `point` (relative to the centre) within `reach_mm`, if any.
     pub fn closest(&self, point: &Point3<f64>, reach_mm: f64) -> Option<Foot> {
         let asking = single(*point);
@@ -111,14 +125,16 @@ impl Surface {
     }
 }
 
-/// The middle of the box around the mesh, and the length of its diagonal.
+/// The middle of the box around a mesh with a surface, and the length of its diagonal.
 pub(super) fn centre_and_diagonal(mesh: &Mesh, side: Side) -> Result<(Point3<f64>, f64), CompareError> {
-    let (low, high) = mesh.bounds().ok_or(CompareError::NoExtent { side })?;
+    box_of(mesh).filter(|_| !mesh.triangles.is_empty()).ok_or(CompareError::NoExtent { side })
+}
+
+/// The same of any points; `None` where all are one.
+pub(super) fn box_of(mesh: &Mesh) -> Option<(Point3<f64>, f64)> {
+    let (low, high) = mesh.bounds()?;
     let diagonal_mm = (high.cast::<f64>() - low.cast::<f64>()).norm();
-    if mesh.triangles.is_empty() || diagonal_mm <= 0.0 {
-        return Err(CompareError::NoExtent { side });
-    }
-    Ok((nalgebra::center(&low.cast(), &high.cast()), diagonal_mm))
+    (diagonal_mm > 0.0).then(|| (nalgebra::center(&low.cast(), &high.cast()), diagonal_mm))
 }
 
 fn single(point: Point3<f64>) -> Vector {
