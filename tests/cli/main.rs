@@ -27,4 +27,5 @@ mod shared_sets;
 #[cfg(unix)]
 mod signals;
 mod solve;
+mod solve_many;
 mod tiny_set;
