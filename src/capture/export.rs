@@ -2,6 +2,7 @@
 
 mod earlier;
 mod file_names;
+mod finished;
 mod lights;
 mod meshes;
 mod names;
@@ -17,12 +18,13 @@ use indexmap::IndexMap;
 use crate::atomic::{OutputFolder, OutputRules, WriteError};
 use crate::image_file::{ExrLayer, ImageError, depth_png, normals_png, write_exr};
 use crate::pipeline::{Part, PipelineError, PipelineWatch, Solved, Stage, StageCost, Surface, camera_of};
-use crate::report::{ExportRecord, Report, html, overview, unit_word};
+use crate::report::{BatchRecord, ExportRecord, Report, html, overview, unit_word};
 use crate::set::CaptureSet;
 
 use earlier::Earlier;
 pub use file_names::is_one_of;
 use file_names::{SURFACES, filled};
+pub use finished::is_finished;
 pub use names::is_result_name;
 use names::{
     ALBEDO, BOUNCE, BOUNCES, DEPTH, DEPTH_PNG, DIRECT, INDIRECT, NORMAL_NOISE, NORMALS_EXR, NORMALS_PNG, OVERVIEW,
@@ -50,6 +52,21 @@ pub fn write_solved(
     options: &OutputOptions,
     watch: &dyn PipelineWatch,
 ) -> Result<Report, PipelineError> {
+    write_solved_as(set, solved, folder, options, None, watch)
+}
+
+/// The same of a run among many, whose report says what was asked for.
+///
+/// # Errors
+/// As [`write_solved`].
+pub fn write_solved_as(
+    set: &CaptureSet,
+    solved: &Solved,
+    folder: OutputFolder,
+    options: &OutputOptions,
+    batch: Option<BatchRecord>,
+    watch: &dyn PipelineWatch,
+) -> Result<Report, PipelineError> {
     options.check()?;
     let mut stages = solved.stages.clone();
     let mut files = Files { folder, written: IndexMap::new() };
@@ -60,7 +77,7 @@ pub fn write_solved(
     write_bytes(&path, &overview(solved).png()?)?;
     files.note(REPORT, "every number of this run");
     files.note(PAGE, "this run on one page, with pictures");
-    let report = Report::new(solved, stages, options.green, export, files.written.clone());
+    let report = Report::new(solved, stages, options.green, export, files.written.clone(), batch);
     let json = serde_json::to_string_pretty(&report).map_err(PipelineError::Json)?;
     write_text(&files.folder.file(REPORT)?, &(json + "\n"))?;
     write_text(&files.folder.file(PAGE)?, &html(solved, &report)?)?;

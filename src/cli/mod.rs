@@ -18,6 +18,7 @@ mod progress;
 mod scene;
 mod simulate;
 mod solve;
+mod solve_many;
 mod table;
 mod unit;
 mod watch;
@@ -40,7 +41,7 @@ struct Program {
 pub enum Command {
     /// Open the window on a capture set
     Open(open::OpenArgs),
-    /// From photos to bounces, normals, depth, a mesh and a report
+    /// From photos to bounces, normals, depth, a mesh and a report; of many sets in one table
     Solve(solve::SolveArgs),
     /// Measure lamps and paint on the calibration balls
     Calibrate(calibrate::CalibrateArgs),

@@ -1,4 +1,4 @@
-//! `firstbounce solve SET`
+//! `firstbounce solve SET...`
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -18,26 +18,37 @@ use super::memory::MemoryArgs;
 use super::output::OutputArgs;
 use super::progress::Terminal;
 use super::table::{row, table};
-use super::{PrintArgs, SetArgs, print, print_json, print_warnings};
+use super::{PrintArgs, print, print_json, print_warnings, solve_many};
 
 /// Folder for results that are given none.
 const OUTPUT_FOLDER: &str = "out";
 
 #[derive(Args, Debug)]
 pub struct SolveArgs {
-    #[command(flatten)]
-    set: SetArgs,
-    /// Where to write the results [default: out/NAME OF THE SET'S FOLDER]
+    /// Capture sets: their folders or their capture.toml
+    #[arg(value_name = "SET", required = true)]
+    pub sets: Vec<PathBuf>,
+    /// Take lamps and colours from the calibration of this set; results lie in a folder for each set, a set whose results are
+    /// up to date is passed over, and one that fails holds up no other
+    #[arg(long, value_name = "RIGSET")]
+    pub rig: Option<PathBuf>,
+    /// The objects are of the rig's paint: take beta too
+    #[arg(long, requires = "rig")]
+    pub same_paint: bool,
+    /// Where to write the results [default: out/NAME OF THE SET'S FOLDER]; of several sets, each into DIR/NAME
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub out: Option<PathBuf>,
+    /// Print the table as comma-separated values
+    #[arg(long, conflicts_with = "json")]
+    pub csv: bool,
     #[command(flatten)]
-    method: MethodArgs,
+    pub method: MethodArgs,
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
     #[command(flatten)]
-    memory: MemoryArgs,
+    pub memory: MemoryArgs,
     #[command(flatten)]
-    print: PrintArgs,
+    pub print: PrintArgs,
 }
 
 /// How to get from photos to normals.
@@ -136,7 +147,11 @@ impl MethodArgs {
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
-    let set = CaptureSet::open(&args.set.path)?;
+    let [path] = args.sets.as_slice() else { return solve_many::run(args, &terminal) };
+    if args.rig.is_some() || args.csv {
+        return solve_many::run(args, &terminal);
+    }
+    let set = CaptureSet::open(path)?;
     let options = args.method.options(&set)?;
     args.memory.check(&set, Work::Solve)?;
     let folder = args.out.clone().map_or_else(|| default_folder(&set), Ok)?;

@@ -54,7 +54,11 @@ fn the_page_describes_the_keys_of_a_report_and_no_other() {
     let export = ["solve", "tiny", "--json", "--triangles", "200", "--depth-png"];
     let nayar = ["--method", "nayar", "--grey-albedo", "0.4", "--patches", "100", "--iterations", "1"];
     let by_nayar = [&export[..], &nayar[..]].concat();
-    let reports = [&export[..], &by_nayar[..]].map(|run| firstbounce(place.path(), run).json());
+    let [colours, shape] = [&export[..], &by_nayar[..]].map(|run| firstbounce(place.path(), run).json());
+    let many = firstbounce(place.path(), ["solve", "tiny", "--rig", "tiny", "--out", "many"]);
+    assert_eq!(many.code, 0, "{}", many.err);
+    let of_many = fs::read_to_string(place.path().join("many/tiny/report.json")).unwrap();
+    let reports = [colours, shape, serde_json::from_str(&of_many).unwrap()];
 
     let described = described("report.json");
     let mut used = BTreeSet::new();

@@ -27,5 +27,6 @@ mod shared_sets;
 #[cfg(unix)]
 mod signals;
 mod solve;
+mod solve_many;
 mod tiny_set;
 mod watch;

@@ -1,5 +1,6 @@
 //! Records: every number of a run by the words of the capture file, for `--json` and `report.json`.
 
+mod batch;
 mod calibration;
 mod colours_and_shape;
 mod export;
@@ -9,6 +10,7 @@ mod options;
 mod run;
 mod trust;
 
+pub use batch::{BatchRecord, RigRecord};
 pub use calibration::{CalibrationRecord, CircleRecord, IntervalRecord, Row, SourceRecord};
 pub use colours_and_shape::{BetaWords, ColoursAndShapeRecord, LightWords};
 pub(crate) use export::unit_word;
@@ -16,5 +18,5 @@ pub use export::{DecimationRecord, ExportRecord, MeshFormatRecord};
 pub use inputs::{InputRecord, input_records};
 pub use nayar::NayarRecord;
 pub use options::OptionsRecord;
-pub use run::{Conventions, DepthRecord, MeshRecord, Report, SCHEMA, SetRecord, ShapeRecord};
+pub use run::{Conventions, DepthRecord, MeshRecord, Report, SCHEMA, SetRecord, ShapeRecord, program};
 pub use trust::{ReasonRecord, TrustRecord};

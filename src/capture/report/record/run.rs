@@ -7,8 +7,8 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::{
-    CalibrationRecord, ColoursAndShapeRecord, ExportRecord, InputRecord, NayarRecord, OptionsRecord, TrustRecord,
-    input_records, unit_word,
+    BatchRecord, CalibrationRecord, ColoursAndShapeRecord, ExportRecord, InputRecord, NayarRecord, OptionsRecord,
+    TrustRecord, input_records, unit_word,
 };
 use crate::image_file::GreenAxis;
 use crate::pipeline::{Solved, StageCost, Surface};
@@ -29,6 +29,8 @@ pub struct Report {
     pub options: OptionsRecord,
     /// The files that the run was computed from, by the paths that capture.toml writes.
     pub inputs: IndexMap<String, InputRecord>,
+    /// What a run of many sets was asked for; absent for one set by itself.
+    pub batch: Option<BatchRecord>,
     /// What was photographed.
     pub set: SetRecord,
     /// The rig, in the words that `calibrate --json` prints.
@@ -61,6 +63,11 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// What each stage cost.
     pub stages: Vec<StageCost>,
+}
+
+/// The program and its version.
+pub fn program() -> String {
+    format!("Firstbounce {}", env!("CARGO_PKG_VERSION"))
 }
 
 /// What was photographed.
@@ -173,6 +180,7 @@ impl Report {
         green: GreenAxis,
         export: ExportRecord,
         files: IndexMap<String, String>,
+        batch: Option<BatchRecord>,
     ) -> Self {
         let (set, method) = (&*solved.set, solved.options.method);
         let bounces = solved.separated.reports.first().map_or(0, |report| report.bounces);
@@ -194,7 +202,8 @@ impl Report {
             time: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
             options: OptionsRecord::of(&solved.options, bounces),
             inputs: input_records(set),
-            program: format!("Firstbounce {}", env!("CARGO_PKG_VERSION")),
+            program: program(),
+            batch,
             set: SetRecord {
                 name: set.title(),
                 folder: set.folder.display().to_string(),
