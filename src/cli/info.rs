@@ -3,6 +3,7 @@
 use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Exposed, survey};
+use firstbounce_capture::report::CaptureWarningRecord;
 use firstbounce_capture::set::{BallValue, Shot, Subject};
 use serde::Serialize;
 
@@ -31,6 +32,8 @@ struct Info {
     mask: Option<String>,
     missing_files: Vec<String>,
     lacks: Vec<String>,
+    /// The worst first.
+    capture_warnings: Vec<CaptureWarningRecord>,
 }
 
 #[derive(Debug, Serialize)]
@@ -59,9 +62,10 @@ struct ShotInfo {
 pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
     let set = CaptureSet::open(&args.set.path)?;
-    let exposed = survey(&set, &terminal);
+    let surveyed = survey(&set, &terminal);
     terminal.finish();
-    let shots = set.shots.iter().zip(exposed?).map(|(shot, exposed)| shot_info(&set, shot, exposed));
+    let surveyed = surveyed?;
+    let shots = set.shots.iter().zip(surveyed.shots).map(|(shot, exposed)| shot_info(&set, shot, exposed));
     let info = Info {
         name: set.title(),
         folder: set.folder.display().to_string(),
@@ -73,6 +77,7 @@ pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
         mask: set.mask.clone(),
         missing_files: missing_files(&set),
         lacks: lacks(&set),
+        capture_warnings: CaptureWarningRecord::all(&surveyed.captures),
     };
     if args.print.json { print_json(&info) } else { print(&text(&info)) }
 }
@@ -189,5 +194,6 @@ fn text(info: &Info) -> String {
     ];
     lines.extend(info.missing_files.iter().map(|file| format!("missing file: {file}")));
     lines.extend(info.lacks.iter().map(|what| format!("lacks {what}")));
+    lines.extend(info.capture_warnings.iter().map(|warning| format!("capture warning: {}", warning.words)));
     lines.join("\n")
 }

@@ -46,7 +46,7 @@ pub use exr_out::{ExrLayer, write_exr};
 pub use find::{MAX_LOOKED_AT, MAX_PICTURES, PicturesFound, pictures_in};
 pub use format::Format;
 pub use head::{PictureSize, picture_size};
-pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
+pub use linearise::{FileFacts, LinearLight, LinearOptions, linearise, linearise_files};
 pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};
 pub use read::{Content, ReadOptions, read_image, read_image_as, read_mask};
 pub use repeats::{NoiseBin, RepeatNoise};

@@ -1,6 +1,7 @@
 //! From a capture set to a mesh, stage by stage; the command line and the window run the same stages.
 
 mod calibrate;
+mod checks;
 mod compare;
 mod cost;
 mod error;
@@ -21,6 +22,9 @@ pub use calibrate::{
     BallCircle, Calibrated, DirectionDoubt, Evidence, Known, Preference, RatioEvidence, Source, Verdict, calibrate,
     calibrate_also_on_object, calibrate_for, calibrate_with,
 };
+pub use checks::{
+    CaptureCheck, CaptureReport, CaptureWarning, CheckOptions, CheckedPhotos, FilesOf, check_captures, check_surface,
+};
 pub use compare::{Compared, ReferenceError, Registration, alignment_warnings, compare_meshes, read_comparable};
 pub use cost::{StageCost, peak_rss_bytes};
 pub use error::PipelineError;
@@ -39,7 +43,7 @@ pub use reconstruct::{
 };
 pub use scene::{Scene, camera_of};
 pub use surfaces::{Surface, SurfaceName};
-pub use survey::{Exposed, region_of, survey, thumbnail};
+pub use survey::{Exposed, Surveyed, region_of, survey, thumbnail};
 pub use trust::{ObjectLevels, judge, judge_method, rig_of};
 pub use truth::truth_mesh;
 pub(crate) use watch::Part;

@@ -1,6 +1,7 @@
 //! Records: every number of a run by the words of the capture file, for `--json` and `report.json`.
 
 mod calibration;
+mod captures;
 mod colours_and_shape;
 mod export;
 mod inputs;
@@ -10,6 +11,7 @@ mod run;
 mod trust;
 
 pub use calibration::{CalibrationRecord, CircleRecord, IntervalRecord, Row, SourceRecord};
+pub use captures::CaptureWarningRecord;
 pub use colours_and_shape::{BetaWords, ColoursAndShapeRecord, LightWords};
 pub(crate) use export::unit_word;
 pub use export::{DecimationRecord, ExportRecord, MeshFormatRecord};
