@@ -7,6 +7,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
+use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 /// The longest text that the program keeps or is given: a capture.toml of a hundred thousand shots fits; a picture given by
@@ -111,6 +112,24 @@ pub fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, OpenError> {
 /// As [`open_file`], and [`OpenError::NotText`].
 pub fn read_text(path: &Path) -> Result<String, OpenError> {
     String::from_utf8(read_file(path, MAX_TEXT_BYTES)?).map_err(|_| OpenError::NotText)
+}
+
+/// SHA-256 of the content of the file at `path`, in hexadecimal digits, and its length.
+///
+/// # Errors
+/// As [`open_file`].
+pub fn hash_file(path: &Path) -> Result<(String, u64), OpenError> {
+    let (mut file, _) = open_file(path, u64::MAX)?;
+    let (mut hash, mut bytes) = (Sha256::new(), 0);
+    let mut block = vec![0; 1 << 16];
+    loop {
+        let count = file.read(&mut block)?;
+        if count == 0 {
+            return Ok((hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect(), bytes));
+        }
+        hash.update(&block[..count]);
+        bytes += count as u64;
+    }
 }
 
 #[cfg(test)]

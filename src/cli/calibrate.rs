@@ -8,9 +8,12 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::write_kept_file;
 use firstbounce_capture::light_file::{CarriedLights, LightFile};
 use firstbounce_capture::open::read_text;
-use firstbounce_capture::pipeline::{Calibrated, Preference, Source, Work, calibrate_also_on_object};
-use firstbounce_capture::report::{CalibrationRecord, Row};
+use firstbounce_capture::pipeline::{
+    Calibrated, CheckOptions, PhotoStore, Preference, Source, Work, calibrate_also_on_object, check_captures,
+};
+use firstbounce_capture::report::{CalibrationRecord, CaptureWarningRecord, Row};
 use firstbounce_capture::set::write_calibration;
+use serde::Serialize;
 
 use super::circle::GivenCircle;
 use super::memory::MemoryArgs;
@@ -38,6 +41,15 @@ pub struct CalibrateArgs {
     print: PrintArgs,
 }
 
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Printed<'a> {
+    #[serde(flatten)]
+    words: &'a CalibrationRecord,
+    /// The worst first.
+    capture_warnings: Vec<CaptureWarningRecord>,
+}
+
 /// Runs the command.
 pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
@@ -48,9 +60,17 @@ pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     }
     let carried = args.lights_from.as_deref().map(|path| take_lights(&mut set, path)).transpose()?;
     let preference = if carried.is_some() { Preference::BallsUnderGivenLights } else { Preference::Balls };
-    let calibrated = calibrate_also_on_object(&set, preference, &terminal);
+    let store = PhotoStore::default();
+    let calibrated = calibrate_also_on_object(&set, preference, &store, &terminal);
+    let options = CheckOptions::default();
+    let captures = calibrated.and_then(|calibrated| {
+        let photos = check_captures(&set, |_| true, &store, &options, &terminal)?;
+        // As `solve` takes it: what the file gives goes before what the balls say.
+        let in_force = calibrated.clone().with_given(&set);
+        Ok((photos.with_rig(&set, &in_force, &options, &terminal), calibrated))
+    });
     terminal.finish();
-    let mut calibrated = calibrated?;
+    let (captures, mut calibrated) = captures?;
     if let Some(carried) = &carried {
         mark_source(&set, carried, &mut calibrated);
     }
@@ -58,8 +78,13 @@ pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     if args.write {
         write(&set, &calibrated)?;
     }
+    print_warnings(&captures.lines());
     print_warnings(&words.warnings);
-    if args.print.json { print_json(&words) } else { print(&text(&words)) }
+    if args.print.json {
+        print_json(&Printed { words: &words, capture_warnings: CaptureWarningRecord::all(&captures) })
+    } else {
+        print(&text(&words))
+    }
 }
 
 /// Puts the directions of a light file in force.

@@ -7,6 +7,7 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::image_file::Metadata;
 use firstbounce_capture::open::near;
 use firstbounce_capture::pipeline::{Exposed, Exposures, PhotoStore, survey};
+use firstbounce_capture::report::CaptureWarningRecord;
 use firstbounce_capture::set::{BallValue, Shot, Subject};
 use serde::Serialize;
 
@@ -35,6 +36,8 @@ struct Info {
     mask: Option<String>,
     missing_files: Vec<String>,
     lacks: Vec<String>,
+    /// The worst first.
+    capture_warnings: Vec<CaptureWarningRecord>,
 }
 
 #[derive(Debug, Serialize)]
@@ -79,11 +82,12 @@ struct FileInfo {
 pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
     let set = CaptureSet::open(&args.set.path)?;
-    let exposed = survey(&set, &terminal);
+    let surveyed = survey(&set, &terminal);
     terminal.finish();
+    let surveyed = surveyed?;
     let store = PhotoStore::default();
     let exposures = store.exposures(&set);
-    let shots = set.shots.iter().zip(exposed?).map(|(shot, exposed)| {
+    let shots = set.shots.iter().zip(surveyed.shots).map(|(shot, exposed)| {
         let first = shot.files.first().and_then(|file| store.metadata(&set.resolve(file)));
         shot_info(&set, shot, (&exposures, first), exposed)
     });
@@ -98,6 +102,7 @@ pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
         mask: set.mask.clone(),
         missing_files: missing_files(&set),
         lacks: lacks(&set),
+        capture_warnings: CaptureWarningRecord::all(&surveyed.captures),
     };
     if args.print.json { print_json(&info) } else { print(&text(&info)) }
 }
@@ -249,5 +254,6 @@ fn text(info: &Info) -> String {
     ];
     lines.extend(info.missing_files.iter().map(|file| missing(&info.folder, file)));
     lines.extend(info.lacks.iter().map(|what| format!("lacks {what}")));
+    lines.extend(info.capture_warnings.iter().map(|warning| format!("capture warning: {}", warning.words)));
     lines.join("\n")
 }

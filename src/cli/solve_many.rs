@@ -7,7 +7,9 @@ use std::time::Instant;
 use anyhow::{anyhow, bail};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::export::{is_finished, stage_results, write_solved_as};
-use firstbounce_capture::pipeline::{PipelineWatch, Preference, SolveOptions, Work, calibrate_also_on_object, solve};
+use firstbounce_capture::pipeline::{
+    PhotoStore, PipelineWatch, Preference, SolveOptions, Work, calibrate_also_on_object, solve,
+};
 use firstbounce_capture::report::{BatchRecord, Report, RigRecord, input_records};
 use firstbounce_capture::set::Calibration;
 use serde::Serialize;
@@ -101,7 +103,7 @@ pub fn run(args: &SolveArgs, terminal: &Terminal) -> anyhow::Result<()> {
 impl Rig {
     fn read(path: &Path, terminal: &Terminal) -> anyhow::Result<Self> {
         let set = CaptureSet::open(path)?;
-        let calibrated = calibrate_also_on_object(&set, Preference::File, terminal)?;
+        let calibrated = calibrate_also_on_object(&set, Preference::File, &PhotoStore::default(), terminal)?;
         let lines: Vec<_> = calibrated.warnings.iter().map(|line| format!("the rig {}: {line}", set.title())).collect();
         print_warnings(&lines);
         let values = calibrated.values(&set);

@@ -98,7 +98,7 @@ fn line(set: &CaptureSet, file: &Path) -> String {
     for shot in &mut of_file.shots {
         (shot.files, shot.exposures) = (vec![written.clone()], Vec::new());
     }
-    let seen = survey(&of_file, &Unattended).unwrap_or_default();
+    let seen = survey(&of_file, &Unattended).map(|surveyed| surveyed.shots).unwrap_or_default();
     let lines = of_file.shots.iter().zip(seen).map(|(shot, seen)| {
         let names = [Some(shot.subject.title()), shot.light.as_deref(), shot.colour.as_deref()];
         let what = names.into_iter().flatten().collect::<Vec<_>>().join(" ");

@@ -37,6 +37,7 @@
 mod block;
 pub mod calibrate;
 pub mod camera;
+pub mod capture_checks;
 pub mod denoise;
 pub mod image;
 pub mod interval;

@@ -181,6 +181,24 @@ fn a_file_that_is_gone_is_one_red_cell_that_says_why() {
 }
 
 #[test]
+fn capture_warnings_are_listed_below_the_table_the_worst_first() {
+    let mut hands = Hands::new();
+    let set = hands.demo();
+    fs::copy(set.join("object/left-blue.png"), set.join("object/top-blue.png")).unwrap();
+    hands.open(firstbounce::app::state::session::Open::Set(set));
+    hands.rest();
+    assert!(hands.sees("Capture warnings"));
+    assert!(hands.sees("1. object/left-blue.png and object/top-blue.png: the same photo under 2 names"));
+}
+
+#[test]
+fn a_sound_set_has_no_capture_warnings() {
+    let mut hands = Hands::with_demo();
+    hands.rest();
+    assert!(!hands.sees("Capture warnings"));
+}
+
+#[test]
 fn a_light_takes_its_new_name_when_it_is_typed_to_its_end_and_never_that_of_another() {
     let mut hands = Hands::with_demo();
     hands.rest();

@@ -10,7 +10,9 @@ use firstbounce::app::state::results::{Of, Plain, StageState, Step, SurfaceName}
 use firstbounce::app::state::session::Open;
 use firstbounce::app::views::picture;
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::pipeline::{Method, Preference, SolveOptions, Unattended, calibrate_also_on_object, solve};
+use firstbounce_capture::pipeline::{
+    Method, PhotoStore, Preference, SolveOptions, Unattended, calibrate_also_on_object, solve,
+};
 use firstbounce_capture::set::Subject;
 use firstbounce_core::stereo::normals::Paint;
 use firstbounce_testing::write_tiny_set;
@@ -157,7 +159,7 @@ fn beta_without_a_ball_of_the_paint_is_measured_on_the_object() {
     });
     let mut hands = at(hands, PanelName::Calibrate);
     let set = hands.session().document().set.clone();
-    let by_command = calibrate_also_on_object(&set, Preference::File, &Unattended).unwrap();
+    let by_command = calibrate_also_on_object(&set, Preference::File, &PhotoStore::default(), &Unattended).unwrap();
     let on_object = hands.session().results.calibration().unwrap();
     assert_eq!(on_object.calibrated.beta_values().unwrap(), by_command.beta_values().unwrap());
     let solved = hands.session().results.method_light();

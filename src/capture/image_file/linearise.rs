@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use firstbounce_core::capture_checks::{ValueEnd, find_value_end};
 use firstbounce_core::image::noise::NoiseModel;
 use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::{Photo, Plane};
@@ -100,6 +101,23 @@ pub struct LinearLight {
     pub quantisation_step: f32,
     /// The warnings of all files.
     pub warnings: Vec<ImageWarning>,
+    /// By file, what shows how it was taken.
+    pub facts: Vec<FileFacts>,
+}
+
+/// What one of the averaged files shows of the way it was taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileFacts {
+    /// The file.
+    pub path: PathBuf,
+    /// The largest value that its integers hold; `None` for floats.
+    pub maximum: Option<f32>,
+    /// The stored value from which its pixels count as clipped; `None` where none do.
+    pub clips_at: Option<f32>,
+    /// Where its values end, in the channels that are looked at.
+    pub end: Option<ValueEnd>,
+    /// By how much it differs from the mean of the files before it, but for noise: root mean square over that of their light.
+    pub change: Option<f64>,
 }
 
 /// Reads and averages repeats of one photo; see [`linearise()`].
@@ -167,6 +185,7 @@ pub fn linearise<I: Borrow<ImageFile>>(
         files: average.files,
         quantisation_step,
         warnings: average.warnings,
+        facts: average.facts,
     })
 }
 
@@ -221,6 +240,19 @@ impl<'a> Scale<'a> {
         }
         let clips_at = clips.unwrap_or(f32::INFINITY);
         Ok(Self { planes, encoding, full_scale, black, share, clips_at })
+    }
+
+    /// What `image` shows of the way it was taken.
+    pub fn facts(&self, image: &ImageFile) -> FileFacts {
+        let maximum = image.stored.maximum;
+        let ends = self.planes.iter().filter_map(|plane| find_value_end(plane, maximum.is_some()));
+        FileFacts {
+            path: image.path.clone(),
+            maximum,
+            clips_at: Some(self.clips_at).filter(|value| value.is_finite()),
+            end: ends.max_by(|a, b| a.share.total_cmp(&b.share)),
+            change: None,
+        }
     }
 
     /// From one stored integer to the next, in the middle of the range.

@@ -55,7 +55,7 @@ pub(crate) use find::natural_key;
 pub use find::{MAX_LOOKED_AT, MAX_PICTURES, PicturesFound, pictures_in};
 pub use format::Format;
 pub use head::{PictureSize, picture_metadata, picture_size};
-pub use linearise::{LinearLight, LinearOptions, linearise, linearise_files};
+pub use linearise::{FileFacts, LinearLight, LinearOptions, linearise, linearise_files};
 pub use mask::{MaskFile, read_mask};
 pub use metadata::{Metadata, StatedCurve, TakenAt};
 pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};

@@ -7,7 +7,7 @@ use firstbounce_core::image::photo::CLIPPED;
 use firstbounce_core::{Marks, Plane};
 use rayon::prelude::*;
 
-use super::linearise::{Scale, warnings_of};
+use super::linearise::{FileFacts, Scale, warnings_of};
 use super::{ImageError, ImageFile, ImageWarning, LinearOptions, Metadata};
 
 /// How many bins of signal the variance is averaged in.
@@ -48,7 +48,11 @@ pub(super) struct Average {
     /// The files, and what each says of itself.
     pub files: Vec<(PathBuf, Metadata)>,
     pub warnings: Vec<ImageWarning>,
+    pub facts: Vec<FileFacts>,
 }
+
+/// Noise of pixels so far apart is independent, also where a camera made three colours of each pixel.
+const NOISE_REACH_PX: usize = 4;
 
 impl Average {
     /// Averages all `images`, which are read one after the other so that one at a time is in memory.
@@ -77,7 +81,8 @@ impl Average {
         let files = vec![(first.clone(), image.metadata.clone())];
         let warnings = warnings_of(image, options.encoding);
         let step = if image.stored.maximum.is_some() { scale.step() } else { 0.0 };
-        Ok(Self { mean, spread: None, marks, repeats: 1, step, first, files, warnings })
+        let facts = vec![scale.facts(image)];
+        Ok(Self { mean, spread: None, marks, repeats: 1, step, first, files, warnings, facts })
     }
 
     /// Welford's update: stable in f32, in one pass.
@@ -89,20 +94,25 @@ impl Average {
         let width = self.mean.width();
         let spread = self.spread.get_or_insert_with(|| vec![0.0; self.marks.data().len()]);
         let rows = self.mean.data_mut().par_chunks_mut(width);
-        rows.zip(spread.par_chunks_mut(width))
+        let change = rows
+            .zip(spread.par_chunks_mut(width))
             .zip(self.marks.data_mut().par_chunks_mut(width))
             .enumerate()
-            .for_each_init(
+            .map_init(
                 || vec![0.0; width],
                 |light, (y, ((means, spreads), marks))| {
                     scale.row(y, light, marks);
+                    let change = Change::of_row(means, light);
                     for ((mean, spread), &light) in means.iter_mut().zip(spreads).zip(light.iter()) {
                         let change = light - *mean;
                         *mean += change * share;
                         *spread += change * (light - *mean);
                     }
+                    change
                 },
-            );
+            )
+            .reduce(Change::default, Change::join);
+        self.facts.push(FileFacts { change: Some(change.relative()), ..scale.facts(image) });
         self.files.push((image.path.clone(), image.metadata.clone()));
         self.warnings.extend(warnings_of(image, options.encoding));
         Ok(())
@@ -139,6 +149,33 @@ impl Average {
             pixels: sum.pixels,
         });
         Some(RepeatNoise { bins: bins.collect() })
+    }
+}
+
+/// By how much a repeat differs from those before it: products of differences so far apart that noise takes no part in them.
+#[derive(Clone, Copy, Default)]
+struct Change {
+    differences: f64,
+    light: f64,
+}
+
+impl Change {
+    fn of_row(means: &[f32], light: &[f32]) -> Self {
+        let difference = |x: usize| f64::from(light[x] - means[x]);
+        let apart = 0..means.len().saturating_sub(NOISE_REACH_PX);
+        Self {
+            differences: apart.clone().map(|x| difference(x) * difference(x + NOISE_REACH_PX)).sum(),
+            light: apart.map(|x| f64::from(means[x]).powi(2)).sum(),
+        }
+    }
+
+    fn join(self, other: Self) -> Self {
+        Self { differences: self.differences + other.differences, light: self.light + other.light }
+    }
+
+    /// Root mean square difference over that of the light.
+    fn relative(self) -> f64 {
+        (self.differences.max(0.0) / self.light.max(f64::MIN_POSITIVE)).sqrt()
     }
 }
 

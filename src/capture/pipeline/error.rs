@@ -9,6 +9,7 @@ use firstbounce_core::mesh::MeshError;
 use firstbounce_core::mesh::decimate::DecimateError;
 use firstbounce_core::methods::by_shape::ByShapeError;
 use firstbounce_core::methods::colours_and_shape::ColoursAndShapeError;
+use firstbounce_core::options::OptionError;
 use firstbounce_core::separate::SeparateError;
 use firstbounce_core::sphere::BallError;
 use firstbounce_core::stereo::depth::DepthError;
@@ -74,6 +75,9 @@ pub enum PipelineError {
         /// Those of the photos.
         expected: (usize, usize),
     },
+    /// The capture checks were asked for something impossible.
+    #[error("cannot check the captures: {0}")]
+    CheckOption(OptionError),
     /// No pixel belongs to the object.
     #[error("{}", match path {
         Some(path) => format!("{}: the mask is empty: paint the object white", path.display()),

@@ -1,6 +1,7 @@
 //! From a capture set to a mesh, stage by stage; the command line and the window run the same stages.
 
 mod calibrate;
+mod checks;
 mod compare;
 mod cost;
 mod error;
@@ -20,6 +21,9 @@ pub use crate::set::Method;
 pub use calibrate::{
     BallCircle, BallNotFound, Calibrated, CircleDoubt, DirectionDoubt, Evidence, Known, Measured, Preference,
     RatioEvidence, Source, Verdict, calibrate, calibrate_also_on_object, calibrate_for, calibrate_with, circle_of,
+};
+pub use checks::{
+    CaptureCheck, CaptureReport, CaptureWarning, CheckOptions, CheckedPhotos, FilesOf, check_captures, check_surface,
 };
 pub use compare::{
     Comparable, Compared, Frame, ReferenceError, Registration, alignment_warnings, compare_meshes, read_comparable,
@@ -44,7 +48,7 @@ pub use reconstruct::{
 };
 pub use scene::{Scene, camera_of};
 pub use surfaces::{Surface, SurfaceName};
-pub use survey::{Exposed, region_of, survey, thumbnail};
+pub use survey::{Exposed, Surveyed, region_of, survey, thumbnail};
 pub use trust::{ObjectLevels, judge, judge_method, rig_of};
 pub use truth::truth_mesh;
 pub(crate) use watch::Part;

@@ -13,13 +13,15 @@ use firstbounce_core::stereo::shape::{Shape, ShapeOptions, recover_shape};
 use firstbounce_core::trust::{Trust, TrustOptions};
 use firstbounce_core::{Camera, Marks, Mesh, Plane, Watch};
 
+use super::calibrate::needed_subjects;
 use super::methods::{white_light, white_light_if_known};
 use super::watch::Part;
 use super::{
-    AlbedoScale, Calibrated, Found, Input, Known, Method, MethodReport, ObjectLevels, ObjectPhotos, PhotoStore,
-    PipelineError, PipelineWatch, Scene, Stage, StageCost, Surface, calibrate_for, judge, judge_method, load_object,
+    AlbedoScale, Calibrated, CaptureReport, CheckOptions, Found, Input, Known, Method, MethodReport, ObjectLevels,
+    ObjectPhotos, PhotoStore, PipelineError, PipelineWatch, Preference, Scene, Stage, StageCost, Surface,
+    calibrate_for, check_captures, check_surface, judge, judge_method, load_object,
 };
-use crate::set::{CaptureSet, ShapeSettings};
+use crate::set::{CaptureSet, ShapeSettings, Shot, Subject};
 
 /// How to get from photos to a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,6 +36,8 @@ pub struct SolveOptions {
     pub shape: ShapeOptions,
     /// Whether the object has one albedo; `Auto` lets the method look for it.
     pub paint: Paint,
+    /// What is looked for in the captures.
+    pub checks: CheckOptions,
     /// Triangles.
     pub mesh: MeshOptions,
     /// How direct light is found.
@@ -148,6 +152,8 @@ pub struct Solved {
     pub before: Option<Surface>,
     /// What the method reports of itself.
     pub report: MethodReport,
+    /// What is wrong with the captures.
+    pub captures: Arc<CaptureReport>,
     /// What each stage cost.
     pub stages: Vec<StageCost>,
 }
@@ -161,13 +167,22 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
     let object = StageCost::measure(&mut stages, Stage::Load, || load_object(&seen, &store, watch))?;
     let calibrated =
         StageCost::measure(&mut stages, Stage::Calibrate, || calibrate_for(&seen, &object, options, &store, watch))?;
+    let balls = needed_subjects(&seen, Preference::File);
+    let is_used = |shot: &Shot| shot.subject == Subject::Object || balls.contains(&shot.subject);
+    let checks = || {
+        let photos = check_captures(&seen, is_used, &store, &options.checks, watch)?;
+        Ok::<_, PipelineError>(photos.with_rig(&seen, &calibrated, &options.checks, watch))
+    };
+    let captures = StageCost::measure(&mut stages, Stage::Check, checks)?;
     // The balls' photos are not looked at any more.
     drop(store);
     let scene = Scene { set: Cow::Borrowed(set), object: Cow::Owned(object), calibrated: Cow::Owned(calibrated) };
-    reconstruct(scene, None, options, stages, watch)
+    let solved = reconstruct(scene, None, options, stages, watch)?;
+    let captures = Arc::new(captures.with(solved.captures.warnings.clone()));
+    Ok(Solved { captures, ..solved })
 }
 
-/// From photos and rig to surfaces by one method. `before` is the surface that the photos show before separation, where it is
+/// From photos and rig to surfaces by one method; of the captures, what the surface shows is checked. `before` is the surface that the photos show before separation, where it is
 /// there already; `stages` is what was spent so far.
 pub fn reconstruct(
     scene: Scene,
@@ -220,7 +235,10 @@ pub fn reconstruct(
             Some(surface(shape, &mut stages)?)
         }
     };
+    let of_surface = |surface: &Surface| check_surface(&surface.shape.depth.mask, &options.checks);
+    let captures = after.as_ref().map(of_surface).unwrap_or_default();
     Ok(Solved {
+        captures: Arc::new(CaptureReport::of(captures)),
         set: Arc::new(set.into_owned()),
         options: options.clone(),
         object: Arc::new(scene.object.into_owned()),

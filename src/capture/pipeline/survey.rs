@@ -9,7 +9,7 @@ use indexmap::IndexMap;
 use rayon::prelude::*;
 
 use super::memory::{check_group, free_memory_bytes};
-use super::{PhotoStore, PipelineError, PipelineWatch};
+use super::{CaptureCheck, CaptureReport, CheckOptions, PhotoStore, PipelineError, PipelineWatch};
 use crate::image_file::{LinearLight, read_mask};
 use crate::set::{CaptureSet, Shot, Subject};
 
@@ -57,12 +57,22 @@ pub fn region_of(set: &CaptureSet, shot: &Shot, mask: Option<&Mask>, size: (usiz
     }
 }
 
-/// Looks at every photo, each file once; by shot, in the order of the set. One line says why a photo cannot be read,
-/// and the others are looked at all the same. A photo for which memory lacks is not decoded.
+/// What a look at every photo showed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surveyed {
+    /// By shot, in the order of the set: how well it is exposed, or why it cannot be read.
+    pub shots: Vec<Result<Exposed, String>>,
+    /// What is wrong with the captures.
+    pub captures: CaptureReport,
+}
+
+/// Looks at every photo, each file once. One line says why a photo cannot be read,
+/// and the others are looked at all the same. A photo for which memory lacks is not decoded. Each is also checked.
 ///
 /// # Errors
 /// [`PipelineError::Cancelled`] alone.
-pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Vec<Result<Exposed, String>>, PipelineError> {
+pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Surveyed, PipelineError> {
+    let check = CaptureCheck::new(set, &CheckOptions::default()).map_err(PipelineError::CheckOption)?;
     let mask = set.mask.as_ref().and_then(|written| read_mask(&set.resolve(written)).ok()).map(|file| file.mask);
     // Shots of the same files, as an RGB photo's three colours are, are made of one reading.
     let mut groups: IndexMap<&[String], Vec<usize>> = IndexMap::new();
@@ -82,10 +92,13 @@ pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Vec<Result<
             let region = region_of(set, shots[index], mask.as_ref(), light.photo.linear.size());
             Exposed::of(&light.photo, region.as_ref())
         };
+        check.look_at(fits[index], light);
         let outcome = light.as_ref().map(exposed).map_err(ToString::to_string);
         *seen[fits[index]].lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
     })?;
-    Ok(seen.into_iter().filter_map(|seen| seen.into_inner().unwrap_or_else(PoisonError::into_inner)).collect())
+    let captures = check.finish(watch)?.report;
+    let shots = seen.into_iter().filter_map(|seen| seen.into_inner().unwrap_or_else(PoisonError::into_inner)).collect();
+    Ok(Surveyed { shots, captures })
 }
 
 /// A small copy of a picture whose longer side is at most `longest_px`: each pixel is the mean of those it stands for.
@@ -158,7 +171,7 @@ mod tests {
             shots: vec![shot("gone.png", "left"), shot(&there, "right")],
             ..CaptureSet::default()
         };
-        let seen = survey(&set, &super::super::Unattended).unwrap();
+        let seen = survey(&set, &super::super::Unattended).unwrap().shots;
         assert!(seen[0].as_ref().unwrap_err().contains("gone.png"));
         assert!((seen[1].as_ref().unwrap().mean - 0.25).abs() < 1e-4);
     }

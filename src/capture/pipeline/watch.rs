@@ -11,6 +11,8 @@ pub enum Stage {
     Load,
     /// Balls to alpha, beta, intensity and direction.
     Calibrate,
+    /// Whether photos and rig are as a capture should be.
+    Check,
     /// Photos to bounces.
     Separate,
     /// Bounce 1 to normals and, with near lamps, back again.
@@ -25,14 +27,15 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 7] =
-        [Self::Load, Self::Calibrate, Self::Separate, Self::Shape, Self::Nayar, Self::Mesh, Self::Write];
+    pub const ALL: [Self; 8] =
+        [Self::Load, Self::Calibrate, Self::Check, Self::Separate, Self::Shape, Self::Nayar, Self::Mesh, Self::Write];
 
     /// The stage's name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Load => "load",
             Self::Calibrate => "calibrate",
+            Self::Check => "check",
             Self::Separate => "separate",
             Self::Shape => "shape",
             Self::Nayar => "nayar",

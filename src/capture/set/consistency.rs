@@ -96,7 +96,7 @@ impl CaptureSet {
             if let Some(first) = seen.insert((shot.subject, &shot.light, &shot.colour), index) {
                 let message = format!(
                     "a second shot of {}, as number {}; list repeats in one shot's files",
-                    described(shot),
+                    shot.described(),
                     first + 1
                 );
                 problems.push(Problem::of_part(at, message));
@@ -252,15 +252,4 @@ fn check_known(location: Location, key: &str, what: &str, name: &str, known: &[&
         _ => String::new(),
     };
     problems.push(Problem::of_key(location, key, format!("unknown {what} {name:?}{suggestion}")));
-}
-
-/// `"object", light "left", colour "blue"`
-fn described(shot: &Shot) -> String {
-    let mut words = format!("{:?}", shot.subject.word());
-    for (what, name) in [("light", &shot.light), ("colour", &shot.colour)] {
-        if let Some(name) = name {
-            words += &format!(", {what} {name:?}");
-        }
-    }
-    words
 }

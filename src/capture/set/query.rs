@@ -231,3 +231,16 @@ fn rename_key<T>(table: &mut IndexMap<String, T>, old: &str, new: &str) {
         table.insert(new.to_owned(), value);
     }
 }
+
+impl Shot {
+    /// Which one in a sentence: `"object", light "left", colour "blue"`.
+    pub fn described(&self) -> String {
+        let mut words = format!("{:?}", self.subject.word());
+        for (what, name) in [("light", &self.light), ("colour", &self.colour)] {
+            if let Some(name) = name {
+                words += &format!(", {what} {name:?}");
+            }
+        }
+        words
+    }
+}

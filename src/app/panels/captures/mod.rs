@@ -80,6 +80,7 @@ impl Panel for Captures {
         part(ui, "mask", |ui| ui.collapsing("Mask", |ui| self.mask.ui(ui, session)));
         ui.separator();
         part(ui, "table", |ui| self.table.ui(ui, session, &mut self.selected));
+        part(ui, "warnings", |ui| warnings(ui, session));
     }
 
     fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {
@@ -152,6 +153,19 @@ impl Captures {
             self.dropped(chosen, session);
         }
         ui.separator();
+    }
+}
+
+/// What is wrong with the captures, the worst first.
+fn warnings(ui: &mut Ui, session: &Session) {
+    let captures = session.results.captures(&session.document());
+    if captures.warnings.is_empty() {
+        return;
+    }
+    ui.separator();
+    ui.label(RichText::new("Capture warnings").strong());
+    for (place, line) in (1..).zip(captures.lines()) {
+        ui.label(RichText::new(format!("{place}. {line}")).color(ui.visuals().warn_fg_color));
     }
 }
 

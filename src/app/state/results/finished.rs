@@ -51,6 +51,7 @@ impl Results {
             after: Ok(Surface { shape: after, mesh: meshes.after.clone() }),
             before: Some(Surface { shape: before, mesh: meshes.before.clone() }),
             report: light.report.clone(),
+            captures: Arc::new(self.captures(document)),
             stages: Vec::new(),
         })
     }

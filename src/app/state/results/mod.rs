@@ -14,7 +14,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::Instant;
 
-use firstbounce_capture::pipeline::{Method, PhotoStore, Separated};
+use firstbounce_capture::pipeline::{CaptureReport, Method, PhotoStore, Separated};
 use firstbounce_core::Mesh;
 use firstbounce_core::stereo::shape::Shape;
 
@@ -31,6 +31,7 @@ pub use plain::{Of, Place, Plain, PlainPicture, Quantity, Range};
 pub use stages::{ByMethod, Calibration, Loaded, LoadedShot, Meshes, MethodLight, Shapes, Step};
 
 use engine::{Keys, Row, Running};
+use stages::Checked;
 
 /// Every stage.
 pub struct Results {
@@ -121,6 +122,16 @@ impl Results {
                 Some(self.by_method(method).filter(|_| asked)?.surface.mesh.clone())
             }
         }
+    }
+
+    /// What is wrong with the captures of this document, as far as it is known.
+    pub fn captures(&self, document: &Document) -> CaptureReport {
+        let is_ready = |step| self.state(step, document) == StageState::Ready;
+        let checked: Option<Arc<Checked>> = self.last(Step::Check).filter(|_| is_ready(Step::Check));
+        let of_rig = checked.map(|checked| checked.captures.clone());
+        let of_photos = || self.loaded().map(|loaded| loaded.captures.report.clone());
+        let of_surface = self.shapes().filter(|_| is_ready(Step::Shape)).map(|shapes| shapes.captures.clone());
+        of_rig.or_else(of_photos).unwrap_or_default().with(of_surface.unwrap_or_default())
     }
 
     /// What another method found, where it was asked for.

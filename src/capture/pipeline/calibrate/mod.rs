@@ -347,17 +347,17 @@ pub fn calibrate_with(
     Ok(calibrated)
 }
 
-/// As [`calibrate`]; beta that no ball and no file gives is measured on the object where that is possible.
+/// As [`calibrate_with`]; beta that no ball and no file gives is measured on the object where that is possible.
 pub fn calibrate_also_on_object(
     set: &CaptureSet,
     preference: Preference,
+    store: &PhotoStore,
     watch: &dyn PipelineWatch,
 ) -> Result<Calibrated, PipelineError> {
-    let store = PhotoStore::default();
-    let mut calibrated = calibrate_with(set, preference, &store, watch)?;
+    let mut calibrated = calibrate_with(set, preference, store, watch)?;
     if calibrated.beta.is_none() && calibrated.alpha.iter().all(Option::is_some) {
         // Balls are of use without an object too.
-        match load_object(set, &store, watch) {
+        match load_object(set, store, watch) {
             Ok(object) => add_beta_of_object(set, &object, &mut calibrated, &SolveOptions::of(set), watch)?,
             Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
             Err(error) => calibrated.warnings.push(format!("beta is not known: no ball of the paint, and {error}")),

@@ -84,5 +84,6 @@ fn combined(set: &CaptureSet, lights: &[Arc<LinearLight>]) -> Result<LinearLight
         files: lights.iter().flat_map(|light| light.files.clone()).collect(),
         quantisation_step: least(|light| light.quantisation_step),
         warnings: warnings.chain(report.contradictions.iter().map(contradicted)).collect(),
+        facts: lights.iter().flat_map(|light| light.facts.clone()).collect(),
     })
 }

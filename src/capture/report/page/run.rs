@@ -76,10 +76,18 @@ fn summary(report: &Report, method: Method) -> String {
 }
 
 fn warnings(report: &Report) -> Markup {
+    let is_other = |line: &&String| report.capture_warnings.iter().all(|warning| warning.words != **line);
+    let others: Vec<&String> = report.warnings.iter().filter(is_other).collect();
     html! {
         @if let Some(reason) = &report.no_shape { p.problem { "No surface: " (reason) } }
-        @if !report.warnings.is_empty() {
-            div.warning { h2 { "Take care" } ul { @for warning in &report.warnings { li { (warning) } } } }
+        @if !report.capture_warnings.is_empty() {
+            div.warning {
+                h2 { "Capture warnings" }
+                ol { @for warning in &report.capture_warnings { li { (warning.words) } } }
+            }
+        }
+        @if !others.is_empty() {
+            div.warning { h2 { "Take care" } ul { @for warning in others { li { (warning) } } } }
         }
     }
 }

@@ -1,14 +1,12 @@
 //! The files that a run was computed from, by their SHA-256: whether a result is of the files that lie there now.
 
-use std::io::Read;
 use std::path::Path;
 
 use indexmap::IndexMap;
 use rayon::prelude::*;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
-use crate::open::{OpenError, open_file};
+use crate::open::hash_file;
 use crate::set::CaptureSet;
 
 /// A file that was read.
@@ -35,23 +33,9 @@ pub fn input_records(set: &CaptureSet) -> IndexMap<String, InputRecord> {
 
 impl InputRecord {
     fn of(path: &Path) -> Self {
-        match hashed(path) {
+        match hash_file(path) {
             Ok((sha256, bytes)) => Self { sha256: Some(sha256), bytes: Some(bytes) },
             Err(_) => Self { sha256: None, bytes: None },
         }
-    }
-}
-
-fn hashed(path: &Path) -> Result<(String, u64), OpenError> {
-    let (mut file, _) = open_file(path, u64::MAX)?;
-    let (mut hash, mut bytes) = (Sha256::new(), 0);
-    let mut block = vec![0; 1 << 16];
-    loop {
-        let count = file.read(&mut block)?;
-        if count == 0 {
-            return Ok((hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect(), bytes));
-        }
-        hash.update(&block[..count]);
-        bytes += count as u64;
     }
 }

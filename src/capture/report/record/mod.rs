@@ -2,6 +2,7 @@
 
 mod batch;
 mod calibration;
+mod captures;
 mod colours_and_shape;
 mod export;
 mod inputs;
@@ -12,6 +13,7 @@ mod trust;
 
 pub use batch::{BatchRecord, RigRecord};
 pub use calibration::{CalibrationRecord, CircleRecord, IntervalRecord, Row, SourceRecord};
+pub use captures::CaptureWarningRecord;
 pub use colours_and_shape::{BetaWords, ColoursAndShapeRecord, LightWords};
 pub(crate) use export::unit_word;
 pub use export::{DecimationRecord, ExportRecord, MeshFormatRecord};

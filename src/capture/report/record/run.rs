@@ -7,8 +7,8 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::{
-    BatchRecord, CalibrationRecord, ColoursAndShapeRecord, ExportRecord, InputRecord, NayarRecord, OptionsRecord,
-    TrustRecord, input_records, unit_word,
+    BatchRecord, CalibrationRecord, CaptureWarningRecord, ColoursAndShapeRecord, ExportRecord, InputRecord,
+    NayarRecord, OptionsRecord, TrustRecord, input_records, unit_word,
 };
 use crate::image_file::GreenAxis;
 use crate::pipeline::{Solved, StageCost, Surface};
@@ -59,6 +59,8 @@ pub struct Report {
     pub export: ExportRecord,
     /// What was written, by path relative to the report.
     pub files: IndexMap<String, String>,
+    /// What is wrong with the captures, the worst first; also among the warnings.
+    pub capture_warnings: Vec<CaptureWarningRecord>,
     /// What the user should know before trusting the numbers.
     pub warnings: Vec<String>,
     /// What each stage cost.
@@ -196,7 +198,8 @@ impl Report {
         // What the method says of itself is said once.
         let of_trust = of_trust.filter(|line| !of_method.iter().any(|told| line.ends_with(told.as_str())));
         let of_trust: Vec<_> = of_trust.collect();
-        let warnings = of_photos.chain(of_method).chain(of_trust).collect();
+        let of_captures = solved.captures.lines().into_iter();
+        let warnings = of_captures.chain(of_photos).chain(of_method).chain(of_trust).collect();
         Self {
             schema: SCHEMA,
             time: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
@@ -225,6 +228,7 @@ impl Report {
             no_shape: solved.after.as_ref().err().map(ToString::to_string),
             export,
             files,
+            capture_warnings: CaptureWarningRecord::all(&solved.captures),
             warnings,
             stages,
         }

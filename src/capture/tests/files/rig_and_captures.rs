@@ -97,7 +97,7 @@ fn a_rig_carried_to_itself_changes_nothing() {
 #[test]
 fn the_demo_is_well_exposed_and_a_shorter_white_level_clips_it() {
     let mut set = demo();
-    let seen = survey(&set, &Unattended).unwrap();
+    let seen = survey(&set, &Unattended).unwrap().shots;
     assert_eq!(seen.len(), set.shots.len());
     let mask = read_mask(&set.resolve(set.mask.as_ref().unwrap())).unwrap().mask;
     for (shot, exposed) in set.shots.iter().zip(&seen) {
@@ -108,7 +108,7 @@ fn the_demo_is_well_exposed_and_a_shorter_white_level_clips_it() {
         }
     }
     set.camera.white_level = Some(6000.0);
-    let clipped = survey(&set, &Unattended).unwrap();
+    let clipped = survey(&set, &Unattended).unwrap().shots;
     assert!(
         clipped
             .iter()

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
-    MemoryOptions, ObjectLevels, ObjectPhotos, PhotoStore, PipelineError, ShotLight, SubjectPhotos, Work as MemoryWork,
-    check_memory, file_warnings,
+    CaptureCheck, CheckOptions, CheckedPhotos, MemoryOptions, ObjectLevels, ObjectPhotos, PhotoStore, PipelineError,
+    ShotLight, SubjectPhotos, Work as MemoryWork, check_memory, file_warnings,
 };
 use firstbounce_capture::set::{Projection, Shot, Subject};
 use firstbounce_core::{Photo, Plane};
@@ -29,6 +29,8 @@ pub struct Loaded {
     pub object: Result<Arc<ObjectPhotos>, StageError>,
     /// The object's mean light and its noise; empty where there is no object.
     pub levels: ObjectLevels,
+    /// What is wrong with the captures, as far as the photos alone show it.
+    pub captures: CheckedPhotos,
     /// What the user should know of the files.
     pub warnings: Vec<String>,
 }
@@ -90,7 +92,8 @@ impl Stage for Load {
         let store = results.photos.clone();
         Some(Box::new(move |job| {
             let loaded = load(&document.set, &store, job)?;
-            let (pictures, warnings) = (pictures(&loaded), loaded.warnings.clone());
+            let pictures = pictures(&loaded);
+            let warnings = [loaded.captures.report.lines(), loaded.warnings.clone()].concat();
             Ok(Done::new(loaded).with_pictures(pictures).with_warnings(warnings))
         }))
     }
@@ -126,6 +129,9 @@ fn load(set: &CaptureSet, store: &PhotoStore, job: &Job) -> Result<Loaded, Stage
     // What is gone or was changed since it was read is read again, or is an error.
     store.keep_only(set);
     let lights = store.read(set, &shots, job)?;
+    let check = CaptureCheck::new(set, &CheckOptions::default()).map_err(PipelineError::CheckOption)?;
+    lights.par_iter().enumerate().for_each(|(shot, light)| check.look_at(shot, light));
+    let captures = check.finish(job)?;
     let all: Vec<_> = shots.into_iter().zip(lights).collect();
     let object = object(set, &all);
     let mut warnings = object.as_ref().map(|object| object.warnings.clone()).unwrap_or_default();
@@ -140,6 +146,7 @@ fn load(set: &CaptureSet, store: &PhotoStore, job: &Job) -> Result<Loaded, Stage
         shots: all.par_iter().map(|(shot, light)| loaded_shot(shot, light)).collect(),
         object,
         levels,
+        captures,
         warnings,
     })
 }

@@ -2,6 +2,7 @@
 
 mod by_method;
 mod calibrate;
+mod check;
 mod depends;
 mod load;
 mod mesh;
@@ -19,6 +20,7 @@ use super::error::StageError;
 
 pub use by_method::ByMethod;
 pub use calibrate::{Calibration, Given};
+pub use check::Checked;
 pub use load::{Loaded, LoadedShot};
 pub use mesh::Meshes;
 pub use separate::MethodLight;
@@ -33,6 +35,8 @@ pub enum Step {
     Measure,
     /// The rig in force.
     Calibrate,
+    /// Whether lamps and photos belong together.
+    Check,
     /// Photos to direct light, by the method in force.
     Separate,
     /// Normals and depth, of the direct light and before.
@@ -49,6 +53,7 @@ pub fn all() -> Vec<Box<dyn Stage>> {
         Box::new(load::Load),
         Box::new(calibrate::Calibrate(Step::Measure, Preference::Balls)),
         Box::new(calibrate::Calibrate(Step::Calibrate, Preference::File)),
+        Box::new(check::Check),
         Box::new(separate::Separate),
         Box::new(shape::Recover),
         Box::new(mesh::Triangulate),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use firstbounce_capture::pipeline::{
-    ObjectLevels, SolveOptions, SurfaceName, judge, judge_method, raw_lights, recover,
+    CaptureWarning, ObjectLevels, SolveOptions, SurfaceName, check_surface, judge, judge_method, raw_lights, recover,
 };
 use firstbounce_capture::set::ShapeSettings;
 use firstbounce_core::stereo::shape::Shape;
@@ -31,6 +31,8 @@ pub struct Shapes {
     pub before: Arc<Shape>,
     /// How far the normals turned; `None` where no pixel has both.
     pub turned: Option<AngularError>,
+    /// What the surface shows of the captures.
+    pub captures: Vec<CaptureWarning>,
 }
 
 /// The stage.
@@ -79,7 +81,8 @@ impl Stage for Recover {
             let options = document.options(light.method);
             let shapes = shapes(&document, &loaded, &rig, &light, &options, job)?;
             let pictures = pictures(&shapes);
-            Ok(Done::new(shapes).with_pictures(pictures))
+            let warnings = shapes.captures.iter().map(ToString::to_string).collect();
+            Ok(Done::new(shapes).with_pictures(pictures).with_warnings(warnings))
         }))
     }
 }
@@ -116,7 +119,8 @@ fn shapes(
         }
     };
     let turned = before.normals.map.angular_error(&after.normals.map, &after.normals.solved());
-    Ok(Shapes { trust, after, before, turned })
+    let captures = check_surface(&after.depth.mask, &options.checks);
+    Ok(Shapes { trust, after, before, turned, captures })
 }
 
 fn pictures(shapes: &Shapes) -> Batch {
