@@ -12,7 +12,7 @@ use firstbounce_capture::pipeline::{
     Calibrated, CheckOptions, PhotoStore, Preference, Source, Work, calibrate_also_on_object, check_captures,
 };
 use firstbounce_capture::report::{CalibrationRecord, CaptureWarningRecord, Row};
-use firstbounce_capture::set::write_calibration;
+use firstbounce_capture::set::{write_calibration, write_positions};
 use serde::Serialize;
 
 use super::circle::GivenCircle;
@@ -112,7 +112,10 @@ fn write(set: &CaptureSet, calibrated: &Calibrated) -> anyhow::Result<()> {
     let path = set.file_path();
     let old = read_text(&path).with_context(|| path.display().to_string())?;
     let circles: Vec<_> = calibrated.circles.iter().map(|ball| ball.sphere).collect();
-    let new = write_calibration(&old, &calibrated.values(set), &circles)?;
+    let mut values = calibrated.values(set);
+    let positions: Vec<_> = calibrated.positions_mm(set).map(|(light, known)| (light, known.value)).collect();
+    values.direction.retain(|light, _| !positions.iter().any(|(name, _)| name == light));
+    let new = write_positions(&write_calibration(&old, &values, &circles)?, positions)?;
     Ok(write_kept_file(&path, new.as_bytes())?)
 }
 

@@ -132,16 +132,21 @@ fn an_empty_mask_and_one_of_another_size() {
     refused(masked(95, 255), &["mask.png", "95 x 96"]);
 }
 
+/// One pixel does not spoil a photo: it is left out, and the file is named.
 #[test]
 fn pixels_that_are_no_light() {
     for bad in [f32::NAN, -0.25, f32::INFINITY] {
-        let spoil = |set: &Path| {
-            let mut bytes = b"Pf\n96 96\n-1.0\n".to_vec();
-            (0..96 * 96).for_each(|i| bytes.extend(if i == 77 { bad } else { 0.3_f32 }.to_le_bytes()));
-            fs::write(set.join("object/left-blue.pfm"), bytes).unwrap();
-            edit(set, "object/left-blue.png", "object/left-blue.pfm");
-        };
-        refused(spoil, &["object/left-blue.pfm"]);
+        let place = tempfile::tempdir().unwrap();
+        let set = tiny_set::write(place.path());
+        let mut bytes = b"Pf\n96 96\n-1.0\n".to_vec();
+        (0..96 * 96).for_each(|i| bytes.extend(if i == 77 { bad } else { 0.3_f32 }.to_le_bytes()));
+        fs::write(set.join("object/left-blue.pfm"), bytes).unwrap();
+        edit(&set, "object/left-blue.png", "object/left-blue.pfm");
+        let ran = firstbounce(place.path(), ["info".as_ref(), set.as_os_str()]);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        let report = firstbounce(place.path(), ["solve".as_ref(), set.as_os_str(), "--json".as_ref()]).json();
+        let warnings = report["warnings"].to_string();
+        assert!(warnings.contains("object/left-blue.pfm") && warnings.contains('1'), "{warnings}");
     }
 }
 

@@ -88,6 +88,31 @@ pub fn write_calibration(text: &str, measured: &Calibration, circles: &[Sphere])
     }
 }
 
+/// `text` with the positions of these lights put in, but for those whose direction is typed at the light. Directions that were
+/// measured under `[calibration]` give way to them.
+///
+/// # Errors
+/// As [`write_calibration`].
+pub fn write_positions<'a>(
+    text: &str,
+    positions_mm: impl IntoIterator<Item = (&'a str, [f64; 3])>,
+) -> Result<String, SetError> {
+    let path = Path::new(FILE_NAME);
+    let mut set = CaptureSet::parse(text, path)?;
+    for (name, position) in positions_mm {
+        let light = set.lights.iter_mut().find(|light| light.name == name && light.direction.is_none());
+        let Some(light) = light else { continue };
+        light.position_mm = Some(rounded_array(light.position_mm.unwrap_or_default(), position));
+        set.calibration.direction.shift_remove(name);
+    }
+    let problems = set.check();
+    if problems.is_empty() {
+        Ok(update_text(text, &set))
+    } else {
+        Err(SetError::Invalid { path: path.to_owned(), problems })
+    }
+}
+
 fn merge_calibration(old: &mut Calibration, measured: &Calibration) {
     if let Some(beta) = &measured.beta {
         old.beta = Some(rounded_list(old.beta.as_deref(), beta));

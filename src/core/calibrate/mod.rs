@@ -9,6 +9,7 @@ mod error;
 mod highlight;
 mod intensity;
 mod pixels;
+mod position;
 mod ratio;
 
 pub use agreement::{CombinedDirection, DirectionSource, Disagreement, SourcedDirection, combine_directions};
@@ -17,4 +18,5 @@ pub use error::CalibrateError;
 pub use highlight::{Highlight, HighlightOptions, HighlightReport, find_highlights};
 pub use intensity::{IntensityOptions, Lamp, StrengthReport, measure_strength, relative_intensities};
 pub use pixels::{BallPixels, PixelCounts, PixelOptions, PixelUse};
+pub use position::{PositionEstimate, Sighting, lamp_position};
 pub use ratio::{RatioOptions, RatioReport, measure_ratio, pool_beta};

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use firstbounce_core::sphere::{Ball, Circle, CircleOptions, CircleReport, View, find_circle, refine_circle};
-use firstbounce_core::{Photo, Plane};
+use firstbounce_core::{Camera, Photo, Plane};
 use indexmap::IndexMap;
 
-use super::super::{PhotoStore, PipelineError, PipelineWatch, SubjectPhotos, load_subject};
+use super::super::{PhotoStore, PipelineError, PipelineWatch, SubjectPhotos, camera_of, load_subject};
 use super::{BallCircle, Preference};
 use crate::set::{self, BallValue, CaptureSet, Projection, Sphere, SphereKind, Subject, Word};
 
@@ -82,17 +82,25 @@ impl BallShots {
     pub fn among(photos: &BallPhotos, set: &CaptureSet, kind: SphereKind) -> Result<Option<Self>, PipelineError> {
         let ball = set.subject_with(kind).and_then(|subject| Some((subject, photos.0.get(&subject)?.clone())));
         let Some((subject, photos)) = ball else { return Ok(None) };
-        let size = photos.all().next().map_or((0, 0), |photo| photo.linear.size());
         let circle = match set.circle(subject, kind) {
-            Some(circle) => {
-                let edge = edge_near(&photos, &outline(circle));
-                BallCircle { sphere: Sphere { subject, kind, circle }, found: None, edge }
-            }
+            Some(circle) => given(&photos, Sphere { subject, kind, circle }),
             None => find(&photos, subject, kind)?,
         };
+        Ok(Some(Self::with_circle(photos, set, circle)))
+    }
+
+    /// The further balls of this kind in the same pictures, all of them given.
+    pub fn others(&self, set: &CaptureSet) -> Vec<Self> {
+        let Sphere { subject, kind, .. } = self.circle.sphere;
+        let spheres = set.spheres_in(subject).filter(|sphere| sphere.kind == kind).skip(1);
+        spheres.map(|sphere| Self::with_circle(self.photos.clone(), set, given(&self.photos, *sphere))).collect()
+    }
+
+    fn with_circle(photos: Arc<SubjectPhotos>, set: &CaptureSet, circle: BallCircle) -> Self {
+        let size = photos.all().next().map_or((0, 0), |photo| photo.linear.size());
         let outline = outline(circle.sphere.circle);
-        Ok(Some(Self {
-            kind,
+        Self {
+            kind: circle.sphere.kind,
             photos,
             ball: Ball::new(outline, view(set, size)),
             circle_sd_px: match (&circle.found, circle.doubt()) {
@@ -102,7 +110,13 @@ impl BallShots {
             },
             radius_mm: mm_per_pixel(set).map(|scale| scale * outline.radius_px),
             circle,
-        }))
+        }
+    }
+
+    /// The camera that took the pictures, where their scale is known.
+    pub fn camera(&self, set: &CaptureSet) -> Option<Camera> {
+        mm_per_pixel(set)?;
+        Some(camera_of(set, self.photos.all().next()?.linear.size()))
     }
 
     /// The photo under light `l` in colour `c`, or, where shots name no colour, the one photo under the light.
@@ -148,6 +162,10 @@ fn find(photos: &SubjectPhotos, subject: Subject, kind: SphereKind) -> Result<Ba
 
 fn outline(circle: set::Circle) -> Circle {
     Circle { centre_px: (circle.centre[0], circle.centre[1]), radius_px: circle.radius }
+}
+
+fn given(photos: &SubjectPhotos, sphere: Sphere) -> BallCircle {
+    BallCircle { sphere, found: None, edge: edge_near(photos, &outline(sphere.circle)) }
 }
 
 /// The edge under a given circle; `None` where none shows, as on a mirror ball before black.

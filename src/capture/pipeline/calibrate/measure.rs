@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::super::PipelineError;
 use super::balls::{BallPhotos, BallShots, needed};
 use super::direction::{MeasuredDirection, add_common_doubts, measure_direction};
+use super::position::measure_position;
 use super::warning::Warning;
 use super::{BallCircle, BallNotFound, Calibrated, Known, Preference, RatioEvidence, Source};
 use crate::set::{BallValue, CaptureSet, SphereKind};
@@ -69,6 +70,7 @@ impl<'a> Measuring<'a> {
         self.check_not_found()?;
         self.room_light(&directions);
         self.warn_of_typed();
+        self.positions(&directions);
         for (light, direction) in self.set.lights.iter().zip(directions) {
             let doubts =
                 direction.doubts.iter().map(|doubt| Warning::Direction { light: &light.name, doubt }.to_string());
@@ -127,6 +129,16 @@ impl<'a> Measuring<'a> {
             self.calibrated.warnings.push(Warning::RoomLight { lights }.to_string());
         }
         self.calibrated.room_light = shares;
+    }
+
+    /// Positions of lamps, where the set gives the circles of several mirror balls in one picture.
+    fn positions(&mut self, directions: &[MeasuredDirection]) {
+        let others = self.mirror.as_ref().map_or_else(Vec::new, |first| first.others(self.set));
+        let position = |(l, direction): (usize, &MeasuredDirection)| {
+            let (first, report) = (self.mirror.as_ref()?, direction.highlights.as_ref()?);
+            if others.is_empty() { None } else { measure_position(self.set, l, (first, report), &others) }
+        };
+        self.calibrated.position = directions.par_iter().enumerate().map(position).collect();
     }
 
     /// Typed values that the balls contradict; of directions, see the doubts about them.

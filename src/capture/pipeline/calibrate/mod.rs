@@ -5,6 +5,7 @@ mod depth;
 mod direction;
 mod doubt;
 mod measure;
+mod position;
 mod verdict;
 mod warning;
 
@@ -112,7 +113,7 @@ pub(super) struct Contradicted {
     pub share: f64,
 }
 
-/// A typed value may be off what the balls say by this many half widths of their interval, and by this share: people round.
+/// A typed value may be off what the balls say by this many half widths of their interval, and by this share: users round.
 const MAX_HALF_WIDTHS: f64 = 2.0;
 const MAX_TYPED_SHARE: f64 = 0.01;
 
@@ -220,6 +221,9 @@ pub struct Calibrated {
     pub grey_light: Option<f64>,
     /// By light: unit vector from the object to the light. `None` where nothing tells.
     pub direction: Vec<Option<Known<[f64; 3]>>>,
+    /// By light: where it is, in mm, as several mirror balls in one picture say; `None` where there are fewer, or the lamp is
+    /// too far away for them.
+    pub position: Vec<Option<Known<[f64; 3]>>>,
     /// By light: the share of its light on the balls that does not come from the lamp; `None` where it is too little to
     /// matter, or unknown.
     pub room_light: Vec<Option<f64>>,
@@ -255,6 +259,12 @@ impl Calibrated {
     pub fn beta_values(&self) -> Result<Vec<f64>, PipelineError> {
         let missing = || self.error_of(SphereKind::Material).unwrap_or(PipelineError::NoBeta);
         Ok(self.beta.as_ref().ok_or_else(missing)?.iter().map(|known| known.value).collect())
+    }
+
+    /// The positions that mirror balls gave, by the name of the light.
+    pub fn positions_mm<'a>(&'a self, set: &'a CaptureSet) -> impl Iterator<Item = (&'a str, &'a Known<[f64; 3]>)> {
+        let by_light = set.lights.iter().zip(&self.position);
+        by_light.filter_map(|(light, known)| Some((light.name.as_str(), known.as_ref()?)))
     }
 
     /// The values in force, by the words of the file. A light whose position or direction the file gives keeps that alone.

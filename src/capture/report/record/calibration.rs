@@ -18,6 +18,8 @@ pub struct CalibrationRecord {
     pub intensity: IndexMap<String, f64>,
     /// By light.
     pub direction: IndexMap<String, [f64; 3]>,
+    /// By light, of those that several mirror balls place.
+    pub position_mm: IndexMap<String, PositionRecord>,
     /// The same shape with the ends of the 95 % intervals; typed values have none.
     pub interval: IntervalRecord,
     /// The same shape with where each value comes from.
@@ -56,6 +58,15 @@ pub struct SourceRecord {
     pub intensity: IndexMap<String, &'static str>,
     /// By light.
     pub direction: IndexMap<String, &'static str>,
+}
+
+/// Where a lamp is, in mm.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PositionRecord {
+    /// x, y and z.
+    pub value: [f64; 3],
+    /// 95 % intervals of x, y and z.
+    pub interval: Option<[[f64; 2]; 3]>,
 }
 
 /// A ball's outline in pixels.
@@ -104,6 +115,12 @@ impl CalibrationRecord {
             beta: beta.iter().map(|known| known.value).collect(),
             intensity: intensity().map(|(light, known)| (light, known.value)).collect(),
             direction: direction().map(|(light, known)| (light, known.value)).collect(),
+            position_mm: calibrated
+                .positions_mm(set)
+                .map(|(light, known)| {
+                    (light.to_owned(), PositionRecord { value: known.value, interval: by_axis(known) })
+                })
+                .collect(),
             interval: IntervalRecord {
                 alpha: alpha().map(|(l, known)| (l, known.iter().map(|known| known.interval).collect())).collect(),
                 beta: beta.iter().map(|known| known.interval).collect(),
@@ -169,6 +186,7 @@ fn rows(set: &CaptureSet, calibrated: &Calibrated) -> Vec<(Row, Option<PixelCoun
             rows.push(row(format!("direction, {}", light.name), known));
         }
     }
+    rows.extend(calibrated.positions_mm(set).map(|(light, known)| row(format!("position in mm, {light}"), known)));
     rows
 }
 

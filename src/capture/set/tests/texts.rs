@@ -3,7 +3,7 @@
 use super::{FULL, parse};
 use crate::set::{
     Calibration, CaptureSet, Circle, Colour, Encoding, Shot, Sphere, SphereKind, Subject, update_text,
-    write_calibration,
+    write_calibration, write_positions,
 };
 
 fn measured() -> Calibration {
@@ -40,6 +40,25 @@ fn calibration_is_written_to_six_digits() {
     assert_eq!(set.calibration.intensity["top right"], 1.05);
     assert_eq!(set.circle(Subject::GreySphere, SphereKind::Grey).unwrap().centre, [101.235, 101.5]);
     assert_eq!(set.spheres.len(), 3);
+}
+
+#[test]
+fn positions_of_lamps_are_written_to_their_lights_and_take_the_place_of_directions() {
+    let shot = |light: &str| {
+        format!("[[shot]]\nsubject = \"object\"\nlight = \"{light}\"\ncolour = \"c\"\nfiles = [\"{light}.png\"]\n")
+    };
+    let text = format!(
+        "schema = 1\n[[colour]]\nname = \"c\"\nchannel = \"grey\"\n[[light]]\nname = \"near\"\n[[light]]\nname = \"typed\"\n\
+         direction = [0.0, 0.3, 1.0]\n{}{}[calibration]\ndirection.near = [0.1, 0.2, 0.9]\n",
+        shot("near"),
+        shot("typed")
+    );
+    let position = [-150.212_345_6, 60.0, 370.0];
+    let written = write_positions(&text, [("near", position), ("typed", position), ("gone", position)]).unwrap();
+    let set = parse(&written);
+    assert_eq!(set.lights[0].position_mm, Some([-150.212, 60.0, 370.0]));
+    assert_eq!((set.lights[1].position_mm, set.calibration.direction.len()), (None, 0));
+    assert_eq!(write_positions(&written, [("near", position)]).unwrap(), written);
 }
 
 #[test]

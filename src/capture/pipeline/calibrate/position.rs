@@ -1,0 +1,47 @@
+//! The positions of near lamps, from mirror balls that lie apart in one picture.
+
+use firstbounce_core::calibrate::{
+    HighlightOptions, HighlightReport, PositionEstimate, Sighting, find_highlights, lamp_position,
+};
+use nalgebra::Vector3;
+
+use super::balls::BallShots;
+use super::{Known, Source};
+use crate::set::CaptureSet;
+
+/// A position whose distance is known to this share is one; others are directions to lamps too far away for these balls.
+const MAX_DISTANCE_SHARE: f64 = 0.25;
+
+/// Where light `l` is, by its highlight on the first mirror ball, which is known, and those on the others; `None` where they
+/// do not show it, or the lamp is too far away.
+pub(super) fn measure_position(
+    set: &CaptureSet,
+    l: usize,
+    first: (&BallShots, &HighlightReport),
+    others: &[BallShots],
+) -> Option<Known<[f64; 3]>> {
+    let camera = first.0.camera(set)?;
+    let sighting = |ball: &BallShots, report: &HighlightReport| {
+        report.chosen().map(|highlight| Sighting::of(highlight, ball.ball, ball.circle_sd_px))
+    };
+    let expected = first.1.chosen().map(|highlight| highlight.direction.direction_to_light);
+    let other_sighting = |ball: &BallShots| {
+        let options = HighlightOptions { circle_sd_px: ball.circle_sd_px, expected, ..HighlightOptions::default() };
+        let lights = ball.under_other_lights(l, set.lights.len());
+        let report = find_highlights(ball.any_photo(l)?, &lights, &ball.ball, &options).ok()?;
+        sighting(ball, &report)
+    };
+    let sightings: Vec<Sighting> =
+        sighting(first.0, first.1).into_iter().chain(others.iter().filter_map(other_sighting)).collect();
+    known(lamp_position(&sightings, &camera).ok()?)
+}
+
+fn known(found: PositionEstimate) -> Option<Known<[f64; 3]>> {
+    let PositionEstimate { position_mm, interval_mm, .. } = found;
+    let half_width = interval_mm.map(|interval| (interval.high - interval.low) / 2.0);
+    let is_near = Vector3::from(half_width).norm() < MAX_DISTANCE_SHARE * position_mm.norm() && position_mm.z > 0.0;
+    is_near.then(|| Known {
+        interval: Some([interval_mm.map(|interval| interval.low), interval_mm.map(|interval| interval.high)]),
+        ..Known::new(position_mm.into(), Source::MirrorBall)
+    })
+}
