@@ -11,7 +11,7 @@ use firstbounce::app::state::session::Open;
 use firstbounce::app::views::picture;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
-    Method, PhotoStore, Preference, SolveOptions, Unattended, calibrate_also_on_object, solve,
+    Method, PhotoStore, Preference, SolveOptions, Source, Unattended, calibrate_also_on_object, solve,
 };
 use firstbounce_capture::set::Subject;
 use firstbounce_core::stereo::normals::Paint;
@@ -162,9 +162,9 @@ fn beta_without_a_ball_of_the_paint_is_measured_on_the_object() {
     let by_command = calibrate_also_on_object(&set, Preference::File, &PhotoStore::default(), &Unattended).unwrap();
     let on_object = hands.session().results.calibration().unwrap();
     assert_eq!(on_object.calibrated.beta_values().unwrap(), by_command.beta_values().unwrap());
-    let solved = hands.session().results.method_light();
-    assert!(solved.is_some(), "the object is solved with it");
-    assert!(hands.sees("measured on the object"), "Calibrate names where beta comes from");
+    let source = on_object.calibrated.beta.as_ref().map(|beta| beta[1].source);
+    assert_eq!(source, Some(Source::Object));
+    assert!(hands.session().results.method_light().is_some(), "the object is solved with it");
 }
 
 #[test]

@@ -128,6 +128,8 @@ fn repeats_that_show_something_else_are_named() {
 fn an_object_in_two_parts_has_no_depth_between_them() {
     let parts = Mask::from_fn(40, 20, |x, _| !(15..=25).contains(&x));
     let found = check_surface(&parts, &CheckOptions::default());
+    let crumb = Mask::from_fn(400, 400, |x, y| x < 300 || (x > 350 && x < 358 && y < 10));
+    assert!(check_surface(&crumb, &CheckOptions::default()).is_empty(), "a crumb is no part");
     assert!(matches!(found[..], [CaptureWarning::Islands { islands: 2, .. }]), "{found:?}");
     let speck = Mask::from_fn(40, 20, |x, y| x < 15 || (x > 37 && y > 17));
     assert_eq!(check_surface(&speck, &CheckOptions::default()), []);
