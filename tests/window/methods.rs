@@ -165,6 +165,7 @@ fn beta_without_a_ball_of_the_paint_is_measured_on_the_object() {
     let source = on_object.calibrated.beta.as_ref().map(|beta| beta[1].source);
     assert_eq!(source, Some(Source::Object));
     assert!(hands.session().results.method_light().is_some(), "the object is solved with it");
+    assert!(hands.sees("measured on the object"), "Calibrate names where beta comes from");
 }
 
 #[test]

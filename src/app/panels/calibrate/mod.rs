@@ -103,6 +103,10 @@ impl Calibrate {
                 *value = in_force.clone();
             }
         }
+        // No ball gives a beta that is measured on the object.
+        let beta = calibration.as_ref().and_then(|calibration| calibration.calibrated.beta.clone());
+        let of_object = beta.filter(|beta| beta.iter().any(|beta| beta.source == Source::Object));
+        values.beta = values.beta.or(of_object);
         let values = Arc::new(values.with_given(&document.set));
         self.in_force = Some(InForce { document, calibration, measured, values: values.clone() });
         values
