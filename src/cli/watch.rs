@@ -6,8 +6,9 @@ use std::time::Duration;
 use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::export::OutputOptions;
-use firstbounce_capture::pipeline::{Exposed, PipelineWatch, SolveOptions, Unattended, survey};
-use firstbounce_capture::set::Subject;
+use firstbounce_capture::image_file::read_mask;
+use firstbounce_capture::pipeline::{Exposed, PhotoStore, PipelineWatch, SolveOptions, Unattended, region_of};
+use firstbounce_capture::set::{Shot, Subject};
 use firstbounce_capture::watch_folder::{WatchFolder, WatchFolderOptions};
 
 use super::progress::Terminal;
@@ -42,25 +43,24 @@ pub fn run(args: &WatchArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
     let poll = Duration::try_from_secs_f64(args.poll).map_err(|error| anyhow::anyhow!("--poll: {error}"))?;
     let options = WatchFolderOptions { poll, ..WatchFolderOptions::default() };
-    CaptureSet::open(&args.folder)?;
+    let (mut present, mut missing) = CaptureSet::open(&args.folder)?.present();
     let mut watch = WatchFolder::start(&args.folder, options)?;
     let (mut complete, mut is_unsolved) = (Vec::new(), false);
     while !terminal.cancelled() {
         let arrived = watch.next(PATIENCE)?;
-        // Read each time: the user may go on writing it.
-        let set = CaptureSet::open(&args.folder)?;
-        for file in &arrived {
-            print(&line(&set, file))?;
-        }
-        let (present, missing) = set.present();
-        let lights: Vec<String> = present.lights.iter().map(|light| light.name.clone()).collect();
-        for light in lights.iter().filter(|light| !complete.contains(*light)) {
-            print(&format!("light {light} is complete ({} of {})", lights.len(), set.lights.len()))?;
-        }
-        complete = lights;
-        is_unsolved |= !arrived.is_empty();
-        // Photos of one light come one after the other: they are solved together, in the pause after them.
         if !arrived.is_empty() {
+            // Read again: the user may go on writing it.
+            let set = CaptureSet::open(&args.folder)?;
+            for file in &arrived {
+                print(&line(&set, file))?;
+            }
+            (present, missing) = set.present();
+            let lights: Vec<String> = present.lights.iter().map(|light| light.name.clone()).collect();
+            for light in lights.iter().filter(|light| !complete.contains(*light)) {
+                print(&format!("light {light} is complete ({} of {})", lights.len(), set.lights.len()))?;
+            }
+            (complete, is_unsolved) = (lights, true);
+            // Photos of one light come one after the other: they are solved together, in the pause after them.
             continue;
         }
         if let (true, Some(out)) = (is_unsolved && complete.len() >= MIN_LIGHTS, &args.out) {
@@ -98,13 +98,18 @@ fn line(set: &CaptureSet, file: &Path) -> String {
     for shot in &mut of_file.shots {
         (shot.files, shot.exposures) = (vec![written.clone()], Vec::new());
     }
-    let seen = survey(&of_file, &Unattended).map(|surveyed| surveyed.shots).unwrap_or_default();
-    let lines = of_file.shots.iter().zip(seen).map(|(shot, seen)| {
+    let shots: Vec<&Shot> = of_file.shots.iter().collect();
+    let mask = of_file.mask.as_ref().and_then(|mask| read_mask(&of_file.resolve(mask)).ok()).map(|file| file.mask);
+    let lights = PhotoStore::default().read(&of_file, &shots, &Unattended).unwrap_or_default();
+    let lines = shots.into_iter().zip(lights).map(|(shot, light)| {
         let names = [Some(shot.subject.title()), shot.light.as_deref(), shot.colour.as_deref()];
         let what = names.into_iter().flatten().collect::<Vec<_>>().join(" ");
-        match seen {
-            Ok(seen) => format!("{written}: {what}, {}", exposure(shot.subject, &seen)),
-            Err(error) => error,
+        match light {
+            Ok(light) => {
+                let region = region_of(&of_file, shot, mask.as_ref(), light.photo.linear.size());
+                format!("{written}: {what}, {}", exposure(shot.subject, &Exposed::of(&light.photo, region.as_ref())))
+            }
+            Err(error) => error.to_string(),
         }
     });
     lines.collect::<Vec<_>>().join("\n")

@@ -132,18 +132,35 @@ fn an_empty_mask_and_one_of_another_size() {
     refused(masked(95, 255), &["mask.png", "95 x 96"]);
 }
 
-/// One pixel does not spoil a photo: it is left out.
+/// One pixel does not spoil a photo: it is left out, and the file is named with their count.
 #[test]
 fn pixels_that_are_no_light() {
     for bad in [f32::NAN, -0.25, f32::INFINITY] {
         let place = tempfile::tempdir().unwrap();
         let set = tiny_set::write(place.path());
+        let photo = image::open(set.join("object/left-blue.png")).unwrap().into_luma16();
         let mut bytes = b"Pf\n96 96\n-1.0\n".to_vec();
-        (0..96 * 96).for_each(|i| bytes.extend(if i == 77 { bad } else { 0.3_f32 }.to_le_bytes()));
+        // Rows from the bottom up.
+        for y in (0..96).rev() {
+            for x in 0..96 {
+                let light = f32::from(photo.get_pixel(x, y).0[0]) / 65535.0;
+                bytes.extend(if (x, y) == (40, 50) { bad } else { light }.to_le_bytes());
+            }
+        }
         fs::write(set.join("object/left-blue.pfm"), bytes).unwrap();
         edit(&set, "object/left-blue.png", "object/left-blue.pfm");
-        let ran = firstbounce(place.path(), ["info".as_ref(), set.as_os_str()]);
-        assert_eq!(ran.code, 0, "{}", ran.err);
+        let report = firstbounce(place.path(), ["solve".as_ref(), set.as_os_str(), "--json".as_ref()]).json();
+        let named = |warning: &&serde_json::Value| {
+            ["object/left-blue.pfm", "are NaN, infinite or negative"]
+                .iter()
+                .all(|words| warning.to_string().contains(words))
+        };
+        assert_eq!(
+            report["warnings"].as_array().unwrap().iter().filter(named).count(),
+            1,
+            "{bad}: {}",
+            report["warnings"]
+        );
     }
 }
 

@@ -282,8 +282,10 @@ impl<'a> Scale<'a> {
                 *mark |= DARK;
                 continue;
             }
-            *light += (decode(stored / self.full_scale) - self.black) * self.share;
             *mark |= if stored >= self.clips_at { CLIPPED } else { 0 };
+            // Endlessly far above white is white: it must not outshine the photo where its mark is not looked at.
+            let stored = if stored == f32::INFINITY { self.full_scale } else { stored };
+            *light += (decode(stored / self.full_scale) - self.black) * self.share;
         }
     }
 }

@@ -182,8 +182,8 @@ pub fn solve(set: &CaptureSet, options: &SolveOptions, watch: &dyn PipelineWatch
     Ok(Solved { captures, ..solved })
 }
 
-/// From photos and rig to surfaces by one method; of the captures, what the surface shows is checked. `before` is the surface that the photos show before separation, where it is
-/// there already; `stages` is what was spent so far.
+/// From photos and rig to surfaces by one method; of the captures, what the surface shows is checked. `before` is the surface that
+/// the photos show before separation, where it is there already; `stages` is what was spent so far.
 pub fn reconstruct(
     scene: Scene,
     before: Option<Surface>,

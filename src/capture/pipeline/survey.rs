@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::memory::{check_group, free_memory_bytes};
 use super::{CaptureCheck, CaptureReport, CheckOptions, PhotoStore, PipelineError, PipelineWatch};
-use crate::image_file::{LinearLight, read_mask};
+use crate::image_file::LinearLight;
 use crate::set::{CaptureSet, Shot, Subject};
 
 /// How well a photo is exposed. Of the object's photos the mask's pixels count, of a ball's those in its circle; all
@@ -66,14 +66,13 @@ pub struct Surveyed {
     pub captures: CaptureReport,
 }
 
-/// Looks at every photo, each file once. One line says why a photo cannot be read,
-/// and the others are looked at all the same. A photo for which memory lacks is not decoded. Each is also checked.
+/// Looks at every photo, each file once, and checks them. One line says why a photo cannot be read, and the others are looked at all
+/// the same. A photo for which memory lacks is not decoded.
 ///
 /// # Errors
 /// [`PipelineError::Cancelled`] alone.
 pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Surveyed, PipelineError> {
     let check = CaptureCheck::new(set, &CheckOptions::default()).map_err(PipelineError::CheckOption)?;
-    let mask = set.mask.as_ref().and_then(|written| read_mask(&set.resolve(written)).ok()).map(|file| file.mask);
     // Shots of the same files, as an RGB photo's three colours are, are made of one reading.
     let mut groups: IndexMap<&[String], Vec<usize>> = IndexMap::new();
     set.shots.iter().enumerate().for_each(|(index, shot)| groups.entry(&shot.files).or_default().push(index));
@@ -89,7 +88,7 @@ pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Surveyed, P
     let seen: Vec<_> = (0..set.shots.len()).map(|index| Mutex::new(lacking.get(&index).cloned().map(Err))).collect();
     PhotoStore::default().visit(set, &shots, watch, &|index, light| {
         let exposed = |light: &Arc<LinearLight>| {
-            let region = region_of(set, shots[index], mask.as_ref(), light.photo.linear.size());
+            let region = region_of(set, shots[index], check.mask(), light.photo.linear.size());
             Exposed::of(&light.photo, region.as_ref())
         };
         check.look_at(fits[index], light);

@@ -40,12 +40,14 @@ pub struct CheckOptions {
     pub max_repeat_change: f64,
     /// An island of fewer pixels is none: a speck of the mask.
     pub min_island_px: usize,
+    /// Neither is one of a smaller share of the object: a crumb of a shadow.
+    pub min_island_share: f64,
 }
 
 impl Default for CheckOptions {
     fn default() -> Self {
         let (shift, lamps) = (ShiftOptions::default(), LampOptions::default());
-        Self { shift, lamps, max_repeat_change: 0.05, min_island_px: 25 }
+        Self { shift, lamps, max_repeat_change: 0.05, min_island_px: 25, min_island_share: 0.001 }
     }
 }
 
@@ -55,7 +57,9 @@ impl CheckOptions {
         self.shift.check()?;
         self.lamps.check()?;
         let change = self.max_repeat_change;
-        check_range("max_repeat_change", change, change > 0.0 && change.is_finite(), "a positive number")
+        check_range("max_repeat_change", change, change > 0.0 && change.is_finite(), "a positive number")?;
+        let share = self.min_island_share;
+        check_range("min_island_share", share, (0.0..1.0).contains(&share), "from 0 to below 1")
     }
 }
 
@@ -140,6 +144,11 @@ impl<'a> CaptureCheck<'a> {
         let mask = set.mask.as_ref().and_then(|written| read_mask(&set.resolve(written)).ok());
         let mask = mask.map(|file| file.mask);
         Ok(Self { set, options: *options, mask, window: OnceLock::new(), seen: Mutex::default() })
+    }
+
+    /// The object, where a mask says so and can be read.
+    pub fn mask(&self) -> Option<&Mask> {
+        self.mask.as_ref()
     }
 
     /// Looks at the photo of a shot, by its place in the set.

@@ -67,9 +67,12 @@ impl PhotoStore {
         shots: &[&Shot],
         watch: &dyn PipelineWatch,
     ) -> Result<Vec<ShotLight>, PipelineError> {
-        let keys = self.keys(set, shots);
+        let exposures = self.exposures(set);
+        let keys: Vec<_> = shots.iter().map(|shot| PhotoKey::of(set, shot, &exposures)).collect();
         let read: Vec<_> = shots.iter().map(|_| Mutex::new(None)).collect();
-        self.visit_keyed(set, shots, &keys, watch, &|index, light| *locked(&read[index]) = Some(light.clone()))?;
+        self.visit_keyed(set, (shots, &keys), &exposures, watch, &|index, light| {
+            *locked(&read[index]) = Some(light.clone())
+        })?;
         let lights: Vec<ShotLight> =
             read.into_iter().filter_map(|light| light.into_inner().unwrap_or_else(PoisonError::into_inner)).collect();
         let mut kept = locked(&self.kept);
@@ -93,35 +96,32 @@ impl PhotoStore {
         watch: &dyn PipelineWatch,
         on_shot: &OnShot,
     ) -> Result<(), PipelineError> {
-        self.visit_keyed(set, shots, &self.keys(set, shots), watch, on_shot)
-    }
-
-    fn keys(&self, set: &CaptureSet, shots: &[&Shot]) -> Vec<PhotoKey> {
         let exposures = self.exposures(set);
-        shots.iter().map(|shot| PhotoKey::of(set, shot, &exposures)).collect()
+        let keys: Vec<_> = shots.iter().map(|shot| PhotoKey::of(set, shot, &exposures)).collect();
+        self.visit_keyed(set, (shots, &keys), &exposures, watch, on_shot)
     }
 
     /// A bracket is read exposure by exposure, and shown as one photo.
     fn visit_keyed(
         &self,
         set: &CaptureSet,
-        shots: &[&Shot],
-        keys: &[PhotoKey],
+        (shots, keys): (&[&Shot], &[PhotoKey]),
+        exposures: &Exposures,
         watch: &dyn PipelineWatch,
         on_shot: &OnShot,
     ) -> Result<(), PipelineError> {
-        let exposures = self.exposures(set);
         let (mut parts, mut gathered) = (Vec::new(), Vec::new());
         for (index, (shot, key)) in shots.iter().zip(keys).enumerate() {
             let known = of(&locked(&self.kept).photos, key).cloned();
-            let of_shot = if known.is_some() { Vec::new() } else { parts_of(shot, &exposures) };
+            let of_shot = if known.is_some() { Vec::new() } else { parts_of(shot, exposures) };
             gathered.push(Gathered::of(of_shot.len()));
             parts.extend(of_shot.into_iter().enumerate().map(|(part, shot)| (index, part, shot)));
             if let Some(light) = known {
                 on_shot(index, &Ok(light));
             }
         }
-        let plan = self.plan(set, &parts.iter().map(|(.., shot)| shot).collect::<Vec<_>>());
+        let shots: Vec<&Shot> = parts.iter().map(|(.., shot)| shot).collect();
+        let plan = Plan::of(set, &shots, exposures, &locked(&self.kept));
         self.carry_out(&plan, watch, &|at, light| {
             let (index, part, _) = parts[at];
             if let Some(light) = gathered[index].put(set, part, light) {
@@ -147,11 +147,6 @@ impl PhotoStore {
         // On all cores, before they are looked up one by one.
         paths.par_iter().for_each(|path| drop(self.metadata(path)));
         Exposures::of(set, |path| self.metadata(path))
-    }
-
-    fn plan(&self, set: &CaptureSet, shots: &[&Shot]) -> Plan {
-        let exposures = self.exposures(set);
-        Plan::of(set, shots, &exposures, &locked(&self.kept))
     }
 
     fn carry_out(&self, plan: &Plan, watch: &dyn PipelineWatch, on_shot: &OnShot) -> Result<(), PipelineError> {

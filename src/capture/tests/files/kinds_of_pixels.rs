@@ -161,5 +161,5 @@ fn negative_and_nan_floats_count_as_dark_and_are_reported_once() {
     assert!(warning.to_string().contains("noise.tif"));
     let marks = light.photo.marks.data();
     assert_eq!((marks[2], marks[3], marks[4], marks[5]), (0, DARK, DARK, CLIPPED));
-    assert!(light.photo.linear.data().iter().all(|light| light.is_finite()));
+    assert!(light.photo.linear.data().iter().all(|light| (-0.1..=1.0).contains(light)), "none outshines the photo");
 }
