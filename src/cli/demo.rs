@@ -42,7 +42,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
     let set = CaptureSet::open(unpack(&folder.join("set"))?)?;
     let options = SolveOptions::of(&set);
-    let report = solve_into(&set, &folder, &options, &OutputOptions::default(), &terminal)?;
+    let report = solve_into(&set, &folder, &options, &OutputOptions::default(), None, &terminal)?;
     let evaluations = if report.shape.is_some() { evaluations(&set, &options, &terminal)? } else { BTreeMap::new() };
     drop(terminal);
     print_warnings(&report.warnings);

@@ -7,9 +7,9 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::{WriteError, refuse_links};
-use firstbounce_capture::export::{OutputOptions, stage_results, write_solved};
+use firstbounce_capture::export::{OutputOptions, stage_results, write_solved_as};
 use firstbounce_capture::pipeline::{AlbedoScale, Method, SolveOptions, Work, solve};
-use firstbounce_capture::report::{ColoursAndShapeRecord, NayarRecord, Report};
+use firstbounce_capture::report::{BatchRecord, ColoursAndShapeRecord, NayarRecord, Report};
 use firstbounce_capture::set::Word;
 use firstbounce_core::methods::by_shape::ByShapeOptions;
 use firstbounce_core::stereo::normals::Paint;
@@ -155,7 +155,7 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let options = args.method.options(&set)?;
     args.memory.check(&set, Work::Solve)?;
     let folder = args.out.clone().map_or_else(|| default_folder(&set), Ok)?;
-    let report = solve_into(&set, &folder, &options, &args.output.options(), &terminal)?;
+    let report = solve_into(&set, &folder, &options, &args.output.options(), None, &terminal)?;
     print_warnings(&report.warnings);
     if args.print.json {
         print_json(&report)?
@@ -169,18 +169,19 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     }
 }
 
-/// Solves a set and writes the results into `folder`.
+/// Solves a set and writes the results into `folder`; of a run among many, `batch` is what was asked for.
 pub fn solve_into(
     set: &CaptureSet,
     folder: &Path,
     options: &SolveOptions,
     output_options: &OutputOptions,
+    batch: Option<BatchRecord>,
     terminal: &Terminal,
 ) -> anyhow::Result<Report> {
     output_options.check()?;
     let output = stage_results(set, folder)?;
     let solved = solve(set, options, terminal);
-    let report = solved.and_then(|solved| write_solved(set, &solved, output, output_options, terminal));
+    let report = solved.and_then(|solved| write_solved_as(set, &solved, output, output_options, batch, terminal));
     terminal.finish();
     Ok(report?)
 }

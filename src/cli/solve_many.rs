@@ -6,16 +6,16 @@ use std::time::Instant;
 
 use anyhow::{anyhow, bail};
 use firstbounce_capture::CaptureSet;
-use firstbounce_capture::export::{is_finished, stage_results, write_solved_as};
+use firstbounce_capture::export::is_finished;
 use firstbounce_capture::pipeline::{
-    PhotoStore, PipelineWatch, Preference, SolveOptions, Work, calibrate_also_on_object, solve,
+    PhotoStore, PipelineWatch, Preference, SolveOptions, Work, calibrate_also_on_object,
 };
 use firstbounce_capture::report::{BatchRecord, Report, RigRecord, input_records};
 use firstbounce_capture::set::Calibration;
 use serde::Serialize;
 
 use super::progress::Terminal;
-use super::solve::SolveArgs;
+use super::solve::{SolveArgs, default_place, solve_into};
 use super::table::{row, table};
 use super::{print, print_json, print_warnings};
 
@@ -66,6 +66,7 @@ impl State {
 struct Rig {
     set: CaptureSet,
     values: Calibration,
+    record: RigRecord,
 }
 
 /// Solves one set after the other; one that fails holds up no other.
@@ -107,13 +108,14 @@ impl Rig {
         let lines: Vec<_> = calibrated.warnings.iter().map(|line| format!("the rig {}: {line}", set.title())).collect();
         print_warnings(&lines);
         let values = calibrated.values(&set);
-        Ok(Self { set, values })
+        let record = RigRecord { name: set.title(), inputs: input_records(&set) };
+        Ok(Self { set, values, record })
     }
 }
 
 fn solve_one(args: &SolveArgs, path: &Path, folder: &Path, rig: Option<&Rig>, terminal: &Terminal) -> SetRow {
     let since = Instant::now();
-    let solved = solve_into(args, path, folder, rig, terminal);
+    let solved = solve_unless_finished(args, path, folder, rig, terminal);
     let row = SetRow {
         set: path.display().to_string(),
         folder: folder.display().to_string(),
@@ -153,7 +155,7 @@ enum Outcome {
     Unchanged(serde_json::Value),
 }
 
-fn solve_into(
+fn solve_unless_finished(
     args: &SolveArgs,
     path: &Path,
     folder: &Path,
@@ -177,10 +179,7 @@ fn solve_into(
         return Ok(Outcome::Unchanged(report));
     }
     args.memory.check(&set, Work::Solve)?;
-    output_options.check()?;
-    let output = stage_results(&set, folder)?;
-    let solved = solve(&set, &options, terminal)?;
-    let report = write_solved_as(&set, &solved, output, &output_options, Some(batch), terminal)?;
+    let report = solve_into(&set, folder, &options, &output_options, Some(batch), terminal)?;
     notes.extend(report.warnings.iter().map(|line| format!("{}: {line}", set.title())));
     print_warnings(&notes);
     Ok(Outcome::Solved(Box::new(report)))
@@ -188,8 +187,7 @@ fn solve_into(
 
 fn record(args: &SolveArgs, rig: Option<&Rig>, options: &SolveOptions) -> BatchRecord {
     let request = format!("{options:?} {:?}", args.output.options());
-    let rig = rig.map(|rig| RigRecord { name: rig.set.title(), inputs: input_records(&rig.set) });
-    BatchRecord::new(&request, rig, args.same_paint)
+    BatchRecord::new(&request, rig.map(|rig| rig.record.clone()), args.same_paint)
 }
 
 /// A folder for each set's results, by the name of its own; where two have one name, with that of the folder above.
@@ -213,7 +211,7 @@ fn result_folders(args: &SolveArgs) -> anyhow::Result<Vec<PathBuf>> {
     }
     match &args.out {
         Some(out) => Ok(own.into_iter().map(|name| out.join(name)).collect()),
-        None => own.into_iter().map(|name| Ok(super::solve::default_place(name)?)).collect(),
+        None => own.into_iter().map(|name| Ok(default_place(name)?)).collect(),
     }
 }
 

@@ -76,7 +76,7 @@ pub fn run(args: &WatchArgs) -> anyhow::Result<()> {
 }
 
 fn solved(set: &CaptureSet, out: &Path, terminal: &Terminal) -> anyhow::Result<()> {
-    let report = solve_into(set, out, &SolveOptions::of(set), &OutputOptions::default(), terminal)?;
+    let report = solve_into(set, out, &SolveOptions::of(set), &OutputOptions::default(), None, terminal)?;
     let noise = report.shape.as_ref().map_or(f64::NAN, |shape| shape.mean_noise_deg);
     print(&format!(
         "solved {} lights: {}, expected noise of normals {noise:.2} degrees; {}",
