@@ -152,16 +152,14 @@ fn fit(
     pairs: impl Fn(Subject) -> Vec<(String, String)>,
 ) -> Result<Vec<InPlace>, usize> {
     let has_light = |subject: &Subject| subject.light() == Naming::Required;
-    let counted: usize =
-        subjects.iter().filter(|subject| has_light(subject)).map(|subject| pairs(*subject).len()).sum();
-    let mut free: VecDeque<usize> = (0..named.len()).filter(|&index| named[index].is_none()).collect();
     let is_own = |subject: &Subject| named.contains(&Some(*subject));
+    let count = |counts: &dyn Fn(&Subject) -> bool| -> usize {
+        let lit = subjects.iter().filter(|subject| has_light(subject) && counts(subject));
+        lit.map(|subject| pairs(*subject).len()).sum()
+    };
+    let (counted, counted_free) = (count(&|_| true), count(&|subject| !is_own(subject)));
+    let mut free: VecDeque<usize> = (0..named.len()).filter(|&index| named[index].is_none()).collect();
     let mut places: Vec<Option<InPlace>> = vec![None; named.len()];
-    let counted_free: usize = subjects
-        .iter()
-        .filter(|subject| has_light(subject) && !is_own(subject))
-        .map(|subject| pairs(*subject).len())
-        .sum();
     // What is left of the files without a name shows the first subject that has no light.
     let mut uncounted = free.len().saturating_sub(counted_free);
     for &subject in subjects {

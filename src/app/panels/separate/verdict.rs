@@ -8,6 +8,7 @@ use firstbounce_core::trust::{Advice, Level, Names, Trust};
 use super::{choose_order, names};
 use crate::app::state::document::Document;
 use crate::app::state::session::Session;
+use crate::app::widgets::advice::sentence;
 use crate::app::widgets::theme;
 
 pub fn ui(ui: &mut Ui, trust: &Trust, document: &Document, session: &mut Session) {
@@ -27,7 +28,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust, document: &Document, session: &mut Session
             ui.horizontal_wrapped(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 ui.label(RichText::new(sign(*level)).color(colour_of(ui, *level)));
-                ui.label(sentence(&reason.words(&names)));
+                ui.label(format!("{}.", sentence(&reason.words(&names))));
             });
         }
     });
@@ -46,7 +47,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust, document: &Document, session: &mut Session
 
 fn line(ui: &mut Ui, advice: &Advice, names: &Names, set: &CaptureSet, session: &mut Session) {
     ui.horizontal_wrapped(|ui| {
-        ui.label(format!("\u{2022} {}", sentence(&advice.words(names))));
+        ui.label(format!("\u{2022} {}.", sentence(&advice.words(names))));
         match advice {
             Advice::Order { bounces, .. } => {
                 if ui.button(format!("Use m = {bounces}")).clicked() {
@@ -99,13 +100,6 @@ fn colour_of(ui: &Ui, level: Level) -> Color32 {
         Level::TakeCare => ui.visuals().warn_fg_color,
         Level::DoNotTrust => ui.visuals().error_fg_color,
     }
-}
-
-/// With a capital letter and a full stop.
-fn sentence(words: &str) -> String {
-    let mut letters = words.chars();
-    let first = letters.next().map(char::to_uppercase).into_iter().flatten();
-    first.chain(letters).chain(['.']).collect()
 }
 
 #[cfg(test)]
