@@ -159,6 +159,12 @@ impl Hands {
         self.steps();
     }
 
+    /// Opens a section that is folded, and waits until it is.
+    pub fn unfold(&mut self, label: &str) {
+        self.harness.get_by_label(label).click_accesskit();
+        self.harness.run_steps(30);
+    }
+
     pub fn sees(&self, text: &str) -> bool {
         self.harness.query_all_by_label_contains(text).next().is_some()
     }
@@ -203,6 +209,21 @@ impl Hands {
         self.harness.drag_at(at);
         self.steps();
         self.harness.drop_at(at);
+        self.steps();
+    }
+
+    /// Drags along a line in the picture of this name, as for a click.
+    pub fn drag_on_picture(&mut self, name: &str, size: (usize, usize), [from_px, to_px]: [[f64; 2]; 2]) {
+        let [from, to] = [from_px, to_px].map(|at_px| self.on_picture(name, size, at_px));
+        self.harness.hover_at(from);
+        self.steps();
+        self.harness.drag_at(from);
+        self.steps();
+        for part in [0.5, 1.0] {
+            self.harness.hover_at(from + part * (to - from));
+            self.steps();
+        }
+        self.harness.drop_at(to);
         self.steps();
     }
 

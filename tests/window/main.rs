@@ -13,6 +13,7 @@ mod hostile;
 #[path = "../cli/huge_png.rs"]
 mod huge_png;
 mod inspector;
+mod intake;
 mod keyboard;
 mod methods;
 mod nayar;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{Button, CollapsingHeader, DragValue, RichText, Role, Ui, WidgetInfo};
+use eframe::egui::{CollapsingHeader, DragValue, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::export::{OutputOptions, stage_results, write_solved};
 use firstbounce_capture::image_file::{GreenAxis, GreyBits};
 use firstbounce_capture::mesh_file::{Axes, OutputFormat};
@@ -19,6 +19,7 @@ use crate::app::state::session::Session;
 use crate::app::widgets::advice::{advice, sentence};
 use crate::app::widgets::part::part;
 use crate::app::widgets::path_field::PathField;
+use crate::app::widgets::theme::primary;
 
 /// The panel.
 #[derive(Default)]
@@ -46,11 +47,41 @@ impl Panel for Export {
         if options != document.settings.export {
             session.edit("Choose what to export", |document| document.settings.export = options);
         }
-        ui.add_space(6.0);
-        part(ui, "write", |ui| self.button(ui, session));
+        part(ui, "surface", |ui| self.surface(ui, session, &document));
+        part(ui, "state", |ui| state(ui, session, self.chosen(session, &document)));
         self.take_written(session);
         if let Some((folder, Ok(report))) = self.written.last() {
             contents(ui, folder, report);
+        }
+    }
+
+    fn primary_action(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
+        let document = session.document();
+        let name = self.chosen(session, &document);
+        let is_ready = session.results.state(last_stage_of(name), &document) == StageState::Ready;
+        let can_write = is_ready && self.written.running().is_none() && !self.folder.text.trim().is_empty();
+        if ui.add_enabled(can_write, primary(ui.visuals(), "Write all results")).clicked()
+            && let Some(finished) = session.results.finished(name, &document)
+        {
+            let folder = PathBuf::from(self.folder.text.trim());
+            let (set, target, options) = (document.set.clone(), folder.clone(), document.settings.export.clone());
+            let task = session.jobs.start("Write results", move |job| {
+                let output = stage_results(&set, &target)?;
+                write_solved(&set, &finished, output, &options, job)
+            });
+            self.written.start(folder, task);
+        }
+        true
+    }
+}
+
+/// Why nothing can be written yet.
+fn state(ui: &mut Ui, session: &Session, name: SurfaceName) {
+    match session.results.state(last_stage_of(name), &session.document()) {
+        StageState::Ready => {}
+        StageState::Stale | StageState::Running { .. } => advice(ui, "The results are being computed."),
+        StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } => {
+            ui.colored_label(ui.visuals().error_fg_color, line);
         }
     }
 }
@@ -112,11 +143,16 @@ impl Export {
         ui.indent("decimation", |ui| ui.label(RichText::new(line).small().weak()));
     }
 
-    /// Which surface is written; a choice only where there is one.
-    fn surface(&mut self, ui: &mut Ui, session: &Session, document: &Document) -> SurfaceName {
+    /// Which surface is written.
+    fn chosen(&self, session: &Session, document: &Document) -> SurfaceName {
+        let is_offered = |name: &SurfaceName| session.results.surfaces(document).contains(name);
+        self.surface.filter(is_offered).unwrap_or(SurfaceName::After)
+    }
+
+    /// A choice only where there is one.
+    fn surface(&mut self, ui: &mut Ui, session: &Session, document: &Document) {
+        self.surface = Some(self.chosen(session, document));
         let offered = session.results.surfaces(document);
-        let chosen = self.surface.filter(|name| offered.contains(name)).unwrap_or(SurfaceName::After);
-        self.surface = Some(chosen);
         if offered.len() > 1 {
             ui.label("Surface to write");
             for name in offered {
@@ -124,38 +160,11 @@ impl Export {
                 ui.radio_value(&mut self.surface, Some(name), sentence(title));
             }
         }
-        self.surface.unwrap_or(chosen)
-    }
-
-    fn button(&mut self, ui: &mut Ui, session: &mut Session) {
-        let document = session.document();
-        let name = self.surface(ui, session, &document);
-        let state = session.results.state(last_stage_of(name), &document);
-        let can_write =
-            state == StageState::Ready && self.written.running().is_none() && !self.folder.text.trim().is_empty();
-        if ui.add_enabled(can_write, Button::new("Write all results")).clicked()
-            && let Some(finished) = session.results.finished(name, &document)
-        {
-            let folder = PathBuf::from(self.folder.text.trim());
-            let (set, target, options) = (document.set.clone(), folder.clone(), document.settings.export.clone());
-            let task = session.jobs.start("Write results", move |job| {
-                let output = stage_results(&set, &target)?;
-                write_solved(&set, &finished, output, &options, job)
-            });
-            self.written.start(folder, task);
-        }
         ui.label(
             RichText::new("Bounces, normals, albedo, noise and depth as EXR, and the report, are always written.")
                 .small()
                 .weak(),
         );
-        match state {
-            StageState::Ready => {}
-            StageState::Stale | StageState::Running { .. } => advice(ui, "The results are being computed."),
-            StageState::Failed { line } | StageState::Blocked { line } => {
-                ui.colored_label(ui.visuals().error_fg_color, line);
-            }
-        }
     }
 
     fn take_written(&mut self, session: &mut Session) {

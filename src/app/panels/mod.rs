@@ -11,9 +11,9 @@ mod shape;
 
 use std::path::PathBuf;
 
-use eframe::egui::Ui;
+use eframe::egui::{ScrollArea, Ui};
 
-use crate::app::state::layout::Shown;
+use crate::app::state::layout::{Pane, Shown};
 use crate::app::state::panel::PanelName;
 use crate::app::state::session::Session;
 use crate::app::views::{Over, Overlay};
@@ -22,6 +22,13 @@ use crate::app::views::{Over, Overlay};
 pub trait Panel {
     /// Its content, inside a vertical scroll area.
     fn ui(&mut self, ui: &mut Ui, session: &mut Session);
+
+    /// The button of what the step is for, pinned below its content; whether it has one now. Without one it is that to the next
+    /// step.
+    fn primary_action(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
+        let _ = (ui, session);
+        false
+    }
 
     /// Draws over a view while the panel is open, and takes its clicks and drags. Called once for every view, after its
     /// canvas; what is registered with `ui.interact` lies above the canvas.
@@ -77,6 +84,14 @@ impl Overlay for Panels {
     fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {
         self.of(session.panel).overlay(ui, over, session);
         self.inspector.overlay(ui, over, session);
+    }
+
+    fn pane(&mut self, ui: &mut Ui, pane: Pane, session: &mut Session) {
+        ScrollArea::both().auto_shrink(false).show(ui, |ui| match pane {
+            Pane::Photos => self.captures.photos(ui, session),
+            Pane::Dome => self.calibrate.dome(ui, session),
+            Pane::Rig => self.calibrate.values(ui, session),
+        });
     }
 
     fn wants_drag(&mut self, shown: &Shown, session: &Session) -> bool {

@@ -40,7 +40,7 @@ impl Panel for ShapePanel {
         options(ui, session, &document);
         ui.separator();
         match session.results.state(Step::Shape, &document) {
-            StageState::Failed { line } | StageState::Blocked { line } => {
+            StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } => {
                 ui.colored_label(ui.visuals().error_fg_color, line);
             }
             StageState::Running { .. } | StageState::Stale => advice(ui, "The surface is being computed."),

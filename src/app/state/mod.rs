@@ -10,3 +10,4 @@ pub mod reference;
 pub mod results;
 pub mod session;
 pub mod surfaces;
+pub mod words;

@@ -1,9 +1,10 @@
 //! The five steps of the work, each with a panel of its own, and the state of each.
 
-use firstbounce_core::trust::Level;
+use firstbounce_core::trust::{Level, Names};
 
 use super::results::{StageError, StageState, Step};
 use super::session::Session;
+use super::words::problem_words;
 
 /// The five steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,9 +56,32 @@ impl PanelName {
             }
             StageState::Blocked { line } => StepState::Incomplete { line },
             StageState::Failed { line } => StepState::Failed { line },
+            StageState::Cancelled { line } => StepState::Cancelled { line },
             StageState::Stale => StepState::Running { fraction: 0.0 },
             StageState::Running { fraction } => StepState::Running { fraction },
             StageState::Ready => self.judged(session),
+        }
+    }
+
+    /// What to know before trusting the results of a step, the worst first.
+    pub fn cares(self, session: &Session) -> Option<String> {
+        let results = &session.results;
+        match self {
+            Self::Captures => {
+                let of_files = results.loaded().into_iter().flat_map(|loaded| loaded.warnings.clone());
+                capture_warnings(session).into_iter().chain(of_files).next()
+            }
+            Self::Calibrate => results.calibration()?.calibrated.warnings.first().cloned(),
+            Self::Separate => {
+                let shapes = results.shapes()?;
+                let names = |names: Vec<&String>| names.into_iter().cloned().collect::<Vec<_>>();
+                let document = session.document();
+                let colours = names(document.set.colours.iter().map(|colour| &colour.name).collect());
+                let lights = names(document.set.lights.iter().map(|light| &light.name).collect());
+                let worst = shapes.trust.reasons.iter().max_by_key(|(level, _)| *level)?;
+                Some(worst.1.words(&Names { colours: &colours, lights: &lights }))
+            }
+            Self::Shape | Self::Export => None,
         }
     }
 
@@ -101,6 +125,31 @@ pub enum StepState {
         /// What to do.
         line: String,
     },
+    /// The user stopped what computes them.
+    Cancelled {
+        /// What to do.
+        line: String,
+    },
+}
+
+impl StepState {
+    /// The word for it.
+    pub fn word(&self) -> String {
+        match self {
+            Self::Empty { .. } => "empty".into(),
+            Self::Incomplete { .. } => "incomplete".into(),
+            Self::Running { fraction } => format!("running, {:.0} %", 100.0 * fraction),
+            Self::Ready => "ready".into(),
+            Self::TakeCare => "take care".into(),
+            Self::Failed { .. } => "failed".into(),
+            Self::Cancelled { .. } => "cancelled".into(),
+        }
+    }
+}
+
+/// What the checks of the captures found, the worst first.
+fn capture_warnings(session: &Session) -> Vec<String> {
+    session.results.captures(&session.document()).lines()
 }
 
 /// Photos are read one by one: that some are there does not mean that all are.
@@ -114,8 +163,10 @@ fn captures_state(session: &Session) -> StepState {
         (Some(line), 0) => StepState::Failed { line: line.to_string() },
         (Some(line), more) => StepState::Failed { line: format!("{line} (and {more} more)") },
         (None, _) => match session.problems().first() {
-            Some(problem) => StepState::Incomplete { line: problem.to_string() },
-            None if loaded.is_some_and(|loaded| !loaded.warnings.is_empty()) => StepState::TakeCare,
+            Some(problem) => StepState::Incomplete { line: problem_words(problem, &session.document().set) },
+            None if loaded.is_some_and(|loaded| !loaded.warnings.is_empty()) || !capture_warnings(session).is_empty() => {
+                StepState::TakeCare
+            }
             None => StepState::Ready,
         },
     }

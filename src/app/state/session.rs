@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::document::{Document, Editor, Recovered, kept_view, read_view, save_everything_now, write_view};
 use super::file::SetFile;
-use super::layout::{Shown, Views};
+use super::layout::Views;
 use super::log::{Level, Log};
 use super::panel::PanelName;
 use super::preferences::{Folders, Preferences};
@@ -119,12 +119,6 @@ impl Session {
         self.editor.edit(name, change);
     }
 
-    /// Shows a photo of the set, as when it is opened: for photos that come into a set without any.
-    pub fn show_first_photo(&mut self) {
-        let first = first_view(&self.document());
-        self.views.show(first);
-    }
-
     /// Everything that keeps the set from being solved.
     pub fn problems(&self) -> &[Problem] {
         self.editor.problems()
@@ -171,7 +165,13 @@ impl Session {
             Open::Recovered(_, kept) => Ok(Editor::recovered(&kept.text, kept.path.clone(), kept.settings.clone())),
         };
         match opened {
-            Ok(editor) => self.take(editor),
+            Ok(editor) => {
+                self.take(editor);
+                if matches!(open, Open::Demo) {
+                    // What the program does is told best by what comes out.
+                    self.panel = PanelName::Shape;
+                }
+            }
             Err(error) => {
                 self.file.opening_failed(&self.editor);
                 return self.error(error.to_string());
@@ -200,10 +200,11 @@ impl Session {
         let folder = &document.set.folder;
         self.preferences.opened(folder);
         self.remember();
+        self.panel = PanelName::Captures;
         self.views = read_view(folder, "layout")
             .and_then(Views::from_json)
-            .unwrap_or_else(|| Views::showing(first_view(&document)));
-        self.panel = PanelName::Captures;
+            .unwrap_or_default();
+        self.views.turn_to(self.panel, &document);
         self.say_not_kept(kept_view(folder).err());
         // A set that has just begun lacks everything, which is no news.
         let problems = if self.editor.path().is_file() { self.editor.problems().len() } else { 0 };
@@ -327,16 +328,8 @@ impl Session {
         self.update_reference();
         self.file.update(&self.editor);
         let document = self.document();
+        self.views.turn_to(self.panel, &document);
         let log = &mut self.log;
         self.results.update(&document, &mut self.jobs, &mut |level, line| log.add(level, line))
-    }
-}
-
-/// What a set shows first: a photo of it, which is there soonest.
-fn first_view(document: &Document) -> Shown {
-    let set = &document.set;
-    match (set.lights.first(), set.colours.first()) {
-        (Some(light), Some(colour)) => Shown::object(&light.name, &colour.name),
-        _ => Shown::default(),
     }
 }

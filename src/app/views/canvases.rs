@@ -7,6 +7,7 @@ use super::canvas::{self, CanvasState};
 use super::statistics::Statistics;
 use super::surface::ViewState;
 use crate::app::state::layout::View;
+use crate::gpu::mesh::Camera;
 
 /// What each view keeps from frame to frame, by its id.
 #[derive(Default)]
@@ -16,6 +17,10 @@ pub struct Canvases {
     pub(super) statistics: Statistics,
     /// The zoom and pan that linked views share.
     pub(super) shared: canvas::View,
+    /// The eye that linked 3D views share, once one has been drawn.
+    eye: Option<Option<Camera>>,
+    /// The eye that each of them was drawn with last.
+    eyes: HashMap<u64, Option<Camera>>,
 }
 
 impl Canvases {
@@ -39,6 +44,22 @@ impl Canvases {
         }
         let canvas = self.pictures.entry(view.id).or_default();
         canvas.view = zoomed(canvas.view);
+    }
+
+    /// Gives a linked 3D view the eye of the others, unless its own was moved since it was drawn, as by a command.
+    pub(super) fn take_eye(&mut self, view: &mut View) {
+        let is_moved = self.eyes.get(&view.id).is_some_and(|last| *last != view.surface.camera);
+        if let (true, false, Some(eye)) = (view.linked, is_moved, self.eye) {
+            view.surface.camera = eye;
+        }
+    }
+
+    /// Takes the eye of a linked 3D view for the others.
+    pub(super) fn give_eye(&mut self, view: &View) {
+        self.eyes.insert(view.id, view.surface.camera);
+        if view.linked {
+            self.eye = Some(view.surface.camera);
+        }
     }
 
     /// What a 3D view keeps.

@@ -7,7 +7,9 @@ mod pane;
 mod picker;
 mod picture;
 mod preview;
+mod scale;
 mod statistics;
+mod strip;
 pub mod surface;
 mod tiles;
 

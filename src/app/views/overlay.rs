@@ -4,7 +4,7 @@ use eframe::egui::Ui;
 
 use super::Picture;
 use super::canvas::CanvasResponse;
-use crate::app::state::layout::Shown;
+use crate::app::state::layout::{Pane, Shown};
 use crate::app::state::session::Session;
 
 /// A view while something is drawn over it.
@@ -22,6 +22,9 @@ pub trait Overlay {
     /// Draws over a view. Called once for every view, after its canvas; what is registered with `ui.interact` lies above the
     /// canvas.
     fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session);
+
+    /// Fills a tile that shows no picture.
+    fn pane(&mut self, ui: &mut Ui, pane: Pane, session: &mut Session);
 
     /// Whether dragging with the primary button over this picture belongs to the overlay, and is not a pan.
     fn wants_drag(&mut self, shown: &Shown, session: &Session) -> bool;

@@ -1,96 +1,153 @@
-//! One view: its tool bar, its canvas, and what panels draw over it.
+//! One view: its header, its canvas with what panels draw over it, and the strip below.
 
-use eframe::egui::containers::menu::{MenuButton, MenuConfig};
-use eframe::egui::{Align2, Color32, PopupCloseBehavior, Rect, Role, Ui, WidgetInfo, vec2};
+use eframe::egui::containers::menu::MenuButton;
+use eframe::egui::{
+    Align, Align2, Color32, Label, Layout, Rect, RichText, Role, TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+};
 use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::picture::{Picture, outdated, picture, previewed};
-use super::{Canvases, Over, Overlay, picker};
-use crate::app::state::layout::{Arrange, Hover, Look, Shown, View};
+use super::scale::scaled;
+use super::{Canvases, Over, Overlay, picker, strip};
+use crate::app::state::layout::{self, Arrange, Hover, Pane, Shown, View};
 use crate::app::state::session::Session;
 use crate::app::views::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
 use crate::app::views::surface;
 use crate::app::widgets::advice::advice_in_the_middle;
-use crate::app::widgets::number_field::up_to;
 use crate::app::widgets::plate::{plate, plate_in};
-use crate::gpu::{ColourMap, Display};
+use crate::gpu::Display;
+
+const HEADER_HEIGHT: f32 = 24.0;
+/// Tiles that are narrower have their zooms by keys and menu alone.
+const NARROW: f32 = 260.0;
 
 /// The whole view.
 pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases, overlay: &mut dyn Overlay) {
     ui.push_id(view.id, |ui| {
-        ui.horizontal_wrapped(|ui| tools(ui, view, session, canvases));
-        if view.shown == Shown::Surface {
-            if surface::ui(ui, view.id, &mut view.surface, session, canvases) {
-                session.views.activate(view.id);
-            }
-            return;
-        }
-        let document = session.document();
-        let Session { results, jobs, .. } = session;
-        if let Some(words) = canvases.statistics.words(view.id, &view.shown, &document, results, jobs) {
-            ui.label(words);
-        }
-        match picture(&view.shown, &document, &session.results) {
-            Ok(shown) => {
-                if let Some(line) = outdated(&view.shown, &document, &session.results) {
-                    ui.colored_label(ui.visuals().warn_fg_color, line);
-                }
-                canvas(ui, view, &shown, session, canvases, overlay);
-            }
-            Err(error) => advice_in_the_middle(ui, &error.to_string()),
+        header(ui, view, session, canvases);
+        match view.shown {
+            Shown::Surface => in_3d(ui, view, session, canvases),
+            Shown::Pane(pane) => overlay.pane(ui, pane, session),
+            _ => in_2d(ui, view, session, canvases, overlay),
         }
     });
 }
 
-fn tools(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases) {
+fn in_3d(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases) {
+    canvases.take_eye(view);
+    if surface::ui(ui, view.id, &mut view.surface, session, canvases) {
+        session.views.activate(view.id);
+    }
+    canvases.give_eye(view);
+}
+
+fn in_2d(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases, overlay: &mut dyn Overlay) {
     let document = session.document();
-    ui.menu_button(format!("Picture: {}", view.shown.title()), |ui| {
+    let below = Rect::from_min_max(pos2(ui.max_rect().left(), ui.max_rect().bottom() - strip::HEIGHT), ui.max_rect().max);
+    let above = Rect::from_min_max(ui.cursor().min, pos2(ui.max_rect().right(), below.top()));
+    ui.scope_builder(UiBuilder::new().max_rect(above), |ui| match picture(&view.drawn(), &document, &session.results) {
+        Ok(shown) => {
+            if let Some(line) = outdated(&view.shown, &document, &session.results) {
+                ui.add(Label::new(RichText::new(line).color(ui.visuals().warn_fg_color)).truncate());
+            }
+            canvas(ui, view, &shown, session, canvases, overlay);
+        }
+        Err(error) => advice_in_the_middle(ui, &error.to_string()),
+    });
+    ui.scope_builder(UiBuilder::new().max_rect(below), |ui| strip::ui(ui, view, session, canvases));
+}
+
+/// One row: what is shown, and what is done with the tile.
+fn header(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases) {
+    let is_active = session.views.active_id() == Some(view.id);
+    let width = ui.available_width();
+    ui.horizontal(|ui| {
+        ui.set_min_height(HEADER_HEIGHT);
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let few = width < NARROW;
+        picture_menu(ui, view, session, is_active, 0.45 * width);
+        if view.shown == Shown::Surface {
+            let document = session.document();
+            surface::toolbar(ui, &mut view.surface, canvases.surface(view.id), &document, session);
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            tile_buttons(ui, view, session);
+            ui.menu_button("\u{2026}", |ui| tile_menu(ui, view, session, canvases))
+                .response
+                .on_hover_text("Zoom, colours, arrangement")
+                .widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("More, {}", view.shown.title())));
+            if !few && !matches!(view.shown, Shown::Surface | Shown::Pane(_)) {
+                zoom(ui, view, canvases);
+            }
+        });
+    });
+}
+
+/// What the view shows, and the pictures to choose from.
+fn picture_menu(ui: &mut Ui, view: &mut View, session: &mut Session, is_active: bool, width: f32) {
+    let document = session.document();
+    let title = view.drawn().title();
+    let text = RichText::new(elided(ui, &title, width));
+    let button = MenuButton::new(if is_active { text.strong() } else { text });
+    let (response, _) = button.ui(ui, |ui| {
         let in_3d = ui.selectable_label(view.shown == Shown::Surface, Shown::Surface.title()).clicked();
-        let chosen = picker::ui(ui, &document, Some(&view.shown)).or(in_3d.then_some(Shown::Surface));
+        let mut chosen = picker::ui(ui, &document, Some(&view.shown)).or(in_3d.then_some(Shown::Surface));
+        ui.separator();
+        for pane in Pane::ALL {
+            let shown = Shown::Pane(pane);
+            if ui.selectable_label(view.shown == shown, pane.title()).clicked() {
+                chosen = Some(shown);
+            }
+        }
         if let Some(chosen) = chosen {
             view.shown = chosen;
             view.look = Default::default();
             session.views.activate(view.id);
-        }
-    });
-    if view.shown == Shown::Surface {
-        surface::toolbar(ui, &mut view.surface, canvases.surface(view.id), &document, session);
-        ui.menu_button("Look from", |ui| surface::eye_menu(ui, &mut view.surface, canvases.surface(view.id), session));
-        ui.menu_button("Arrange", |ui| arrange_menu(ui, view.id, session));
-        return;
-    }
-    let against = view.against.as_ref().map_or("Compare".into(), |other| format!("Compare: {}", other.title()));
-    ui.menu_button(against, |ui| {
-        if ui.selectable_label(view.against.is_none(), "Nothing").clicked() {
-            view.against = None;
             ui.close();
         }
-        if let Some(chosen) = picker::ui(ui, &document, view.against.as_ref()) {
-            view.against = Some(chosen);
-        }
     });
-    if let Some(other) = view.against.clone() {
-        ui.toggle_value(&mut view.wipe, "Wipe")
-            .on_hover_text("A line divides the two; without it, hold B to see the other");
-        if ui.button("Difference").on_hover_text("Shows this picture minus the other").clicked() {
-            view.shown = Shown::difference(view.shown.clone(), other);
-            view.against = None;
-            view.look = Default::default();
-        }
-    }
-    let proposal = picture(&view.shown, &document, &session.results).map_or([0.0, 1.0], |shown| shown.display.range);
-    // Stays open while one thing after the other is tried.
-    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    MenuButton::new("Colours").config(stays).ui(ui, |ui| look(ui, view, proposal));
-    zoom(ui, view, canvases);
-    ui.menu_button("Arrange", |ui| {
-        ui.checkbox(&mut view.linked, "Zoom and pan with the others");
-        arrange_menu(ui, view.id, session);
-    });
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Picture: {title}")));
+    response.on_hover_text(title);
 }
 
-fn arrange_menu(ui: &mut Ui, id: u64, session: &mut Session) {
+/// As much of a text as fits, in the width of the button's own letters.
+fn elided(ui: &Ui, text: &str, width: f32) -> String {
+    let font = TextStyle::Button.resolve(ui.style());
+    let wide = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::WHITE).size().x > width;
+    if !wide(text) {
+        return text.to_owned();
+    }
+    let mut kept: Vec<char> = text.chars().collect();
+    while kept.len() > 1 && wide(&format!("{}\u{2026}", kept.iter().collect::<String>())) {
+        kept.truncate((kept.len() * 9 / 10).max(1).min(kept.len() - 1));
+    }
+    format!("{}\u{2026}", kept.into_iter().collect::<String>())
+}
+
+fn tile_buttons(ui: &mut Ui, view: &View, session: &mut Session) {
+    let several = session.views.has_several();
+    let button = |ui: &mut Ui, text: &str, what: &str| {
+        let button = ui.small_button(text);
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{what}, {}", view.shown.title())));
+        button.on_hover_text(what).clicked()
+    };
+    if several && button(ui, "\u{d7}", "Close view") {
+        session.views.arrange(view.id, Arrange::Close);
+    }
+    let is_maximised = session.views.maximised() == Some(view.id);
+    let (sign, what) = if is_maximised { ("\u{2750}", "All views again") } else { ("\u{2b1c}", "Only this view") };
+    if (several || is_maximised) && button(ui, sign, what) {
+        session.views.maximise(view.id);
+    }
+}
+
+fn tile_menu(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases) {
+    if view.shown == Shown::Surface {
+        ui.menu_button("Look from", |ui| surface::eye_menu(ui, &mut view.surface, canvases.surface(view.id), session));
+    }
+    ui.checkbox(&mut view.linked, "Zoom and pan with the others");
+    ui.separator();
     for (name, arrange) in [
         ("Split right", Arrange::SplitRight),
         ("Split down", Arrange::SplitDown),
@@ -98,7 +155,7 @@ fn arrange_menu(ui: &mut Ui, id: u64, session: &mut Session) {
         ("Close view", Arrange::Close),
     ] {
         if ui.button(name).clicked() {
-            session.views.arrange(id, arrange);
+            session.views.arrange(view.id, arrange);
             ui.close();
         }
     }
@@ -107,8 +164,8 @@ fn arrange_menu(ui: &mut Ui, id: u64, session: &mut Session) {
 /// The two zooms that are used most.
 fn zoom(ui: &mut Ui, view: &View, canvases: &mut Canvases) {
     let title = view.shown.title();
-    for (text, words, one_to_one) in [("Fit", "Fit", false), ("1:1", "One to one", true)] {
-        let button = ui.button(text);
+    for (text, words, one_to_one) in [("1:1", "One to one", true), ("Fit", "Fit", false)] {
+        let button = ui.small_button(text);
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{words}, {title}")));
         if button
             .on_hover_text(if one_to_one { "A pixel of the screen for every pixel" } else { "The whole picture" })
@@ -119,58 +176,12 @@ fn zoom(ui: &mut Ui, view: &View, canvases: &mut Canvases) {
     }
 }
 
-/// The values at the two ends of the map: the picture's own, or typed.
-fn range(ui: &mut Ui, range: &mut Option<[f32; 2]>, proposal: [f32; 2]) {
-    let mut own = range.is_some();
-    ui.checkbox(&mut own, "Custom range");
-    let mut ends = range.unwrap_or(proposal);
-    let speed = f64::from((ends[1] - ends[0]).abs()) * 0.005;
-    ui.add_enabled_ui(own, |ui| {
-        ui.horizontal(|ui| {
-            for (end, name) in ends.iter_mut().zip(["Low end", "High end"]) {
-                let label = ui.label(name);
-                ui.add(up_to(end, 5, Look::ENDS).speed(speed)).labelled_by(label.id);
-            }
-        });
-    });
-    *range = own.then_some(ends);
-}
-
-fn look(ui: &mut Ui, view: &mut View, proposal: [f32; 2]) {
-    let look = &mut view.look;
-    let exposure = ui.label("Exposure");
-    ui.add(up_to(&mut look.exposure_stops, 2, Look::EXPOSURE_STOPS).speed(0.05).suffix(" stops"))
-        .labelled_by(exposure.id);
-    let mut gamma = look.gamma.unwrap_or(2.2);
-    ui.horizontal(|ui| {
-        let mut own = look.gamma.is_some();
-        let name = ui.checkbox(&mut own, "Gamma instead of the sRGB curve");
-        ui.add_enabled(own, up_to(&mut gamma, 2, Look::GAMMA).speed(0.02)).labelled_by(name.id);
-        look.gamma = own.then_some(gamma);
-    });
-    ui.separator();
-    ui.label("Colour map");
-    ui.selectable_value(&mut look.map, None, "Default of the picture");
-    for map in ColourMap::ALL {
-        ui.selectable_value(&mut look.map, Some(map), map.name());
-    }
-    range(ui, &mut view.look.range, proposal);
-    ui.separator();
-    let look = &mut view.look;
-    ui.checkbox(&mut look.clip_zebra, "Clipping zebra");
-    ui.checkbox(&mut look.negative_zebra, "Zebra below zero");
-    ui.checkbox(&mut look.plain, "Hide the tints of clipped and dark pixels");
-    if ui.button("Reset colours").clicked() {
-        *look = Default::default();
-    }
-}
-
 /// Says on the canvas, and to screen readers, which of two pictures is seen where.
 fn compared(ui: &Ui, view: &View, response: &CanvasResponse) {
-    let Some(other) = &view.against else { return };
+    let Some(other) = view.against.as_ref().filter(|_| view.compare != layout::Compare::Difference) else { return };
     let (own, other) = (view.shown.title(), other.title());
     let canvas = response.transform.rect;
-    let words = match (response.shows_other, view.wipe) {
+    let words = match (response.shows_other, view.compare == layout::Compare::Wipe) {
         (true, _) => format!("Shows {other}"),
         (false, true) => format!("Left of the line {own}, right of the line {other}"),
         (false, false) => {
@@ -210,18 +221,21 @@ fn canvas(
     overlay: &mut dyn Overlay,
 ) {
     let document = session.document();
-    let display = view.look.over(&shown.display);
-    let other = view.against.as_ref().and_then(|other| picture(other, &document, &session.results).ok());
-    let other_display = other.as_ref().map(|other| view.look.over(&other.display));
+    let drawn = view.drawn();
+    let against = view.against.as_ref().filter(|_| view.compare != layout::Compare::Difference);
+    let other = against.and_then(|other| picture(other, &document, &session.results).ok());
+    let scale = |of: &Shown, picture: &Picture| scaled(of, picture, view, other.is_some(), &document, &session.results);
+    let (display, factor) = scale(&drawn, shown);
+    let other_display = against.zip(other.as_ref()).map(|(of, other)| scale(of, other).0);
 
     let state = canvases.pictures.entry(view.id).or_default();
     if view.linked {
         state.view = canvases.shared;
     }
-    state.compare = if view.wipe { Compare::Wipe } else { Compare::Hold };
+    state.compare = if view.compare == layout::Compare::Wipe { Compare::Wipe } else { Compare::Hold };
     let primary = if overlay.wants_drag(&view.shown, session) { PrimaryDrag::Caller } else { PrimaryDrag::Pan };
-    let label = view.shown.title();
-    let other_label = view.against.as_ref().map(Shown::title).unwrap_or_default();
+    let label = drawn.title();
+    let other_label = against.map(Shown::title).unwrap_or_default();
     let mut canvas =
         Canvas::new(state, &shown.source, &display).label(&label).legend(shown.quantity).primary_drag(primary);
     if let (Some(other), Some(display)) = (&other, &other_display) {
@@ -236,11 +250,18 @@ fn canvas(
         session.views.activate(view.id);
     }
     if let Some(pixel) = response.hovered {
-        session.views.hover = Some(Hover { shown: view.shown.clone(), pixel });
+        session.views.hover = Some(Hover { shown: drawn.clone(), pixel });
+    }
+    if response.response.double_clicked() {
+        session.views.maximise(view.id);
     }
     match &other {
         Some(_) => compared(ui, view, &response),
         None => tints(ui, view, &display, response.transform.rect),
+    }
+    if let Some(factor) = factor {
+        let canvas = response.transform.rect;
+        plate_in(&ui.painter_at(canvas), canvas, Align2::RIGHT_TOP, &format!("\u{d7} {factor}"));
     }
     if let Some(words) = previewed(&view.shown, &document, &session.results) {
         let canvas = response.transform.rect;
@@ -249,5 +270,5 @@ fn canvas(
             ui.ctx().accesskit_node_builder(response.response.id, |node| node.set_description(words));
         }
     }
-    overlay.overlay(ui, &Over { shown: &view.shown, picture: shown, canvas: &response }, session);
+    overlay.overlay(ui, &Over { shown: &drawn, picture: shown, canvas: &response }, session);
 }

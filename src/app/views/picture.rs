@@ -141,7 +141,7 @@ fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Sourc
             let source = with_marks(masked(source), results, &MarksName::Normals(*name));
             Ok((source, Display::default()))
         }
-        Shown::Surface => Err(PictureError::Surface),
+        Shown::Surface | Shown::Pane(_) => Err(PictureError::Surface),
         Shown::Difference(a, b) if are_normals(a, b) => {
             let turned = pictures.plane(&PlaneName::Turned).ok_or_else(|| not_yet(a, document, results))?;
             let display = Display { map: ColourMap::Viridis, range: turned.range, ..Display::default() };
@@ -149,8 +149,9 @@ fn drawn(shown: &Shown, document: &Document, results: &Results) -> Result<(Sourc
         }
         Shown::Difference(a, b) => {
             let (first, second) = (layer(a, document, results)?, layer(b, document, results)?);
-            let largest = picture(a, document, results)?.display.range[1].abs() / 4.0;
-            Ok((masked(Source::difference(first, second)?), Display::signed(largest)))
+            let source = Source::difference(first, second)?;
+            let largest = sampled_largest(&source);
+            Ok((masked(source), Display::signed(largest)))
         }
         Shown::Plain(name) if preview::words(name, document, results).is_some() => {
             let source = Source::value(preview::layer(name, document, results)?)?;
@@ -188,9 +189,12 @@ pub fn layer(shown: &Shown, document: &Document, results: &Results) -> Result<La
             preview::layer(name, document, results)
         }
         Shown::Plain(name) => stored(name.clone().into()),
-        Shown::Marks { .. } | Shown::FigureOne { .. } | Shown::Normals(_) | Shown::Surface | Shown::Difference(..) => {
-            Err(PictureError::SeveralValues { title: shown.title() })
-        }
+        Shown::Marks { .. }
+        | Shown::FigureOne { .. }
+        | Shown::Normals(_)
+        | Shown::Surface
+        | Shown::Pane(_)
+        | Shown::Difference(..) => Err(PictureError::SeveralValues { title: shown.title() }),
     }
 }
 
@@ -231,13 +235,26 @@ fn sum(document: &Document, results: &Results, light: &str) -> Result<Layer, Pic
 /// From zero to the brightest values but for the outermost half percent, of a few pixels all over: what is drawn from the photos
 /// was counted by no stage.
 fn sampled_range(source: &Source) -> [f32; 2] {
+    [0.0, outermost(sampled(source)).unwrap_or(1.0)]
+}
+
+/// The same for differences, whichever way they go.
+fn sampled_largest(source: &Source) -> f32 {
+    outermost(sampled(source).map(f32::abs)).unwrap_or(1.0)
+}
+
+fn sampled(source: &Source) -> impl Iterator<Item = f32> {
     let (width, height) = source.size();
     let place = |k: usize, pixels: usize| (2 * k + 1) * pixels / (2 * SAMPLES);
-    let at = |k: usize| source.values_at(place(k % SAMPLES, width), place(k / SAMPLES, height)).first().copied();
-    let mut values: Vec<f32> = (0..SAMPLES * SAMPLES).filter_map(at).filter(|value| value.is_finite()).collect();
+    let at = move |k: usize| source.values_at(place(k % SAMPLES, width), place(k / SAMPLES, height)).first().copied();
+    (0..SAMPLES * SAMPLES).filter_map(at).filter(|value| value.is_finite())
+}
+
+fn outermost(values: impl Iterator<Item = f32>) -> Option<f32> {
+    let mut values: Vec<f32> = values.collect();
     values.sort_unstable_by(f32::total_cmp);
     let brightest = values.get(values.len().saturating_sub(1) * 199 / 200).copied();
-    [0.0, brightest.filter(|value| *value > 0.0).unwrap_or(1.0)]
+    brightest.filter(|value| *value > 0.0)
 }
 
 /// The photos of a light, each with its weight, added up.
@@ -261,7 +278,7 @@ pub(super) fn combination(
 }
 
 /// The reference colour's photo of a light.
-fn reference<'a>(document: &Document, results: &'a Results, light: &str) -> Option<&'a Stored> {
+pub(super) fn reference<'a>(document: &Document, results: &'a Results, light: &str) -> Option<&'a Stored> {
     let colour = document.set.colours.first()?;
     let Shown::Photo(name) = Shown::object(light, &colour.name) else { return None };
     results.pictures().plane(&PlaneName::Photo(name))
@@ -310,7 +327,7 @@ pub fn previewed(shown: &Shown, document: &Document, results: &Results) -> Optio
 pub fn outdated(shown: &Shown, document: &Document, results: &Results) -> Option<String> {
     let step = shown.step();
     match results.state(step, document) {
-        StageState::Failed { line } | StageState::Blocked { line } if step > Step::Load => {
+        StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } if step > Step::Load => {
             Some(format!("Of earlier values: {line}"))
         }
         _ => None,
@@ -329,7 +346,7 @@ fn not_yet(shown: &Shown, document: &Document, results: &Results) -> PictureErro
     }
     let step = shown.step();
     match results.state(step, document) {
-        StageState::Failed { line } | StageState::Blocked { line } => PictureError::Step { line },
+        StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } => PictureError::Step { line },
         StageState::Stale | StageState::Running { .. } => PictureError::Running { step },
         StageState::Ready => PictureError::NotInSet,
     }

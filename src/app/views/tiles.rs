@@ -1,7 +1,7 @@
 //! The tiles on the screen.
 
 use eframe::egui::{Ui, WidgetText};
-use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, UiResponse};
+use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, Tiles, UiResponse};
 
 use super::{Canvases, Overlay, pane};
 use crate::app::state::layout::{Arrange, View};
@@ -9,9 +9,20 @@ use crate::app::state::session::Session;
 
 /// All views, filling the space that is left.
 pub fn ui(ui: &mut Ui, session: &mut Session, canvases: &mut Canvases, overlay: &mut dyn Overlay) {
+    let alone = session.views.maximised();
     let mut tree = session.views.take_tree();
     session.views.hover = None;
-    tree.ui(&mut Behaviour { session, canvases, overlay }, ui);
+    let mut behaviour = Behaviour { session, canvases, overlay };
+    let alone = alone.and_then(|id| {
+        tree.tiles.tiles_mut().find_map(|tile| match tile {
+            egui_tiles::Tile::Pane(view) if view.id == id => Some(view),
+            _ => None,
+        })
+    });
+    match alone {
+        Some(view) => behaviour.view(ui, view),
+        None => tree.ui(&mut behaviour, ui),
+    }
     session.views.put_back(tree);
 }
 
@@ -21,10 +32,27 @@ struct Behaviour<'a> {
     overlay: &'a mut dyn Overlay,
 }
 
+impl Behaviour<'_> {
+    /// What a person chooses in a view is kept.
+    fn view(&mut self, ui: &mut Ui, view: &mut View) {
+        let before = (view.shown.clone(), view.against.clone());
+        pane::ui(ui, view, self.session, self.canvases, self.overlay);
+        if before != (view.shown.clone(), view.against.clone()) {
+            self.session.views.note_change();
+        }
+    }
+}
+
 impl Behavior<View> for Behaviour<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, view: &mut View) -> UiResponse {
-        pane::ui(ui, view, self.session, self.canvases, self.overlay);
+        self.view(ui, view);
         UiResponse::None
+    }
+
+    fn on_edit(&mut self, edit: EditAction) {
+        if matches!(edit, EditAction::TileResized | EditAction::TileDropped) {
+            self.session.views.note_change();
+        }
     }
 
     fn tab_title_for_pane(&mut self, view: &View) -> WidgetText {
@@ -43,6 +71,7 @@ impl Behavior<View> for Behaviour<'_> {
     }
 
     fn simplification_options(&self) -> SimplificationOptions {
-        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
+        // A view alone needs no tab: its header says what it shows.
+        SimplificationOptions { all_panes_must_have_tabs: false, ..SimplificationOptions::default() }
     }
 }

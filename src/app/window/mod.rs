@@ -13,8 +13,8 @@ mod toasts;
 use std::sync::Arc;
 
 use eframe::egui::{
-    CentralPanel, Context, Frame, Key, Panel as SidePanel, RichText, ScrollArea, ThemePreference, Ui, ViewportCommand,
-    mutex::Mutex,
+    CentralPanel, Context, Frame, Key, Panel as SidePanel, RichText, ScrollArea, ThemePreference, Ui, UiBuilder,
+    ViewportCommand, mutex::Mutex,
 };
 use eframe::{App, CreationContext};
 
@@ -33,6 +33,10 @@ use start::{Chosen, StartScreen, opening};
 
 pub use chrome::Chrome;
 use frame_times::Phase;
+
+/// Widths of the panels beside the centre, in points: nothing that a set contains changes them.
+const LEFT: f32 = 280.0;
+const RIGHT: f32 = 232.0;
 
 /// The window.
 pub struct Window {
@@ -227,22 +231,32 @@ impl Window {
 
     fn workplace(&mut self, ui: &mut Ui) {
         let Self { session, panels, canvases, chrome, .. } = self;
+        steps::ui(ui, session);
         if chrome.shows.steps {
-            SidePanel::left("steps").default_size(340.0).size_range(220.0..=640.0).show(ui, |ui| {
-                steps::ui(ui, session);
-                ui.separator();
-                steps::next(ui, session);
-                let panel = session.panel;
-                ScrollArea::vertical().id_salt(panel.title()).auto_shrink(false).show(ui, |ui| {
-                    ui.push_id(panel.title(), |ui| panels.of(panel).ui(ui, session));
+            SidePanel::left("steps").resizable(false).exact_size(LEFT).show(ui, |ui| {
+                within(ui, |ui| {
+                    let panel = session.panel;
+                    SidePanel::bottom("primary action").show_separator_line(false).show(ui, |ui| {
+                        ui.vertical_centered_justified(|ui| {
+                            if !panels.of(panel).primary_action(ui, session) {
+                                steps::next(ui, session);
+                            }
+                        });
+                    });
+                    let salt = (panel.title(), session.file.opened_sets());
+                    ScrollArea::vertical().id_salt(salt).auto_shrink(false).show(ui, |ui| {
+                        ui.push_id(panel.title(), |ui| panels.of(panel).ui(ui, session));
+                    });
                 });
             });
         }
         if chrome.shows.inspector {
-            SidePanel::right("inspector").default_size(280.0).size_range(180.0..=640.0).show(ui, |ui| {
-                ui.label(RichText::new("Inspector").strong());
-                ui.separator();
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| panels.inspector.ui(ui, session));
+            SidePanel::right("inspector").resizable(false).exact_size(RIGHT).show(ui, |ui| {
+                within(ui, |ui| {
+                    ui.label(RichText::new("Inspector").strong());
+                    ui.separator();
+                    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| panels.inspector.ui(ui, session));
+                });
             });
         }
         let frame = Frame::central_panel(ui.style()).inner_margin(0.0);
@@ -316,6 +330,15 @@ impl App for Window {
         self.session.keep_layout();
         self.session.file.opened_well();
     }
+}
+
+/// Keeps a panel as wide as it is, whatever lies in it.
+fn within(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    let space = ui.available_rect_before_wrap();
+    let mut inner = ui.new_child(UiBuilder::new().max_rect(space));
+    inner.set_clip_rect(space.intersect(ui.clip_rect()));
+    contents(&mut inner);
+    ui.advance_cursor_after_rect(space);
 }
 
 impl Window {

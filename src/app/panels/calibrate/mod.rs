@@ -58,10 +58,6 @@ impl Panel for Calibrate {
         if let Some(measured) = &measured {
             part(ui, "highlights", |ui| self.highlights.ui(ui, session, &measured.calibrated));
         }
-        let in_force = self.in_force(session);
-        let balls_say = measured.as_deref().map(|measured| &*measured.calibrated);
-        part(ui, "values", |ui| values::ui(ui, session, &in_force, balls_say));
-        part(ui, "dome", |ui| ui.collapsing("Lights on a dome", |ui| dome::ui(ui, set, &in_force)));
         if let Some(measured) = &measured {
             part(ui, "ratios", |ui| {
                 ui.collapsing("Ratios on the balls", |ui| self.histogram.ui(ui, set, &measured.calibrated))
@@ -79,6 +75,21 @@ impl Panel for Calibrate {
 }
 
 impl Calibrate {
+    /// The values in force, in a tile of their own.
+    pub fn values(&mut self, ui: &mut Ui, session: &mut Session) {
+        let document = session.document();
+        let measured = session.results.measured().filter(|measured| counts_by(measured, &document.set));
+        let in_force = self.in_force(session);
+        let balls_say = measured.as_deref().map(|measured| &*measured.calibrated);
+        values::ui(ui, session, &in_force, balls_say);
+    }
+
+    /// The lights on a dome, in a tile of their own.
+    pub fn dome(&mut self, ui: &mut Ui, session: &mut Session) {
+        let in_force = self.in_force(session);
+        dome::ui(ui, &session.document().set, &in_force);
+    }
+
     /// What the file gives, else what the balls say: a typed value counts in the frame in which it is typed, and no longer
     /// than until it is taken back.
     fn in_force(&mut self, session: &Session) -> Arc<Calibrated> {
@@ -135,7 +146,7 @@ fn status(ui: &mut Ui, session: &Session) {
                 ui.label(RichText::new(line).color(ui.visuals().error_fg_color));
                 return;
             }
-            StageState::Blocked { line } => {
+            StageState::Blocked { line } | StageState::Cancelled { line } => {
                 ui.label(RichText::new(line).color(ui.visuals().warn_fg_color));
                 return;
             }

@@ -1,6 +1,6 @@
 //! The values in force: typed or measured, with interval, verdict and source.
 
-use eframe::egui::{Color32, RichText, Role, Ui, WidgetInfo};
+use eframe::egui::{Color32, Grid, Label, RichText, Role, Ui, Vec2, WidgetInfo, vec2};
 use firstbounce_capture::pipeline::{Calibrated, Known, Source, Verdict};
 use firstbounce_capture::set::{CaptureSet, Number};
 use firstbounce_core::trust::Level;
@@ -10,36 +10,56 @@ use crate::app::widgets::number_field::fixed;
 use crate::app::widgets::part::part;
 use crate::app::widgets::theme;
 
+/// Between the cells of the table, in points.
+const SPACING: Vec2 = vec2(16.0, 8.0);
+/// Of a reason below a value, in points.
+const REASON_WIDTH: f32 = 190.0;
+
 /// A change of a value by the user.
 enum Change<T> {
     Typed(T),
     BackToMeasured,
 }
 
-/// Every value of the rig, light by light, and of the paint.
+/// Every value of the rig in one table, a light a row, and those of the paint above it.
 pub fn ui(ui: &mut Ui, session: &mut Session, in_force: &Calibrated, measured: Option<&Calibrated>) {
     let document = session.document();
     let set = &document.set;
-    ui.label(RichText::new("Values in force").strong());
+    let heading = |ui: &mut Ui, text: &str, meaning: &str| {
+        ui.label(RichText::new(text).strong()).on_hover_text(meaning);
+    };
+    let others = || set.colours.iter().enumerate().skip(1);
     if set.colours.len() > 1 {
-        ui.group(|ui| {
-            ui.label(RichText::new("Paint: beta, albedo over the reference colour's").small());
-            for c in 1..set.colours.len() {
-                part(ui, c, |ui| beta(ui, session, set, in_force, measured, c));
+        Grid::new("paint").striped(true).spacing(SPACING).show(ui, |ui| {
+            let reference = &set.colours[0].name;
+            for (c, colour) in others() {
+                let meaning = format!("The paint's albedo in {} over that in {reference}", colour.name);
+                heading(ui, &format!("beta, {}", colour.name), &meaning);
+                ui.vertical(|ui| part(ui, c, |ui| beta(ui, session, set, in_force, measured, c)));
+                ui.end_row();
             }
         });
+        ui.add_space(8.0);
     }
-    for l in 0..set.lights.len() {
-        let name = set.lights[l].name.clone();
-        ui.group(|ui| {
-            ui.label(RichText::new(format!("Light {name}")).strong());
-            for c in 1..set.colours.len() {
-                part(ui, (l, c), |ui| alpha(ui, session, set, in_force, measured, (l, c)));
+    Grid::new("lights").striped(true).spacing(SPACING).show(ui, |ui| {
+        heading(ui, "Light", "");
+        for (_, colour) in others() {
+            let meaning = format!("The lamp's intensity in {} over that in {}", colour.name, set.colours[0].name);
+            heading(ui, &format!("alpha, {}", colour.name), &meaning);
+        }
+        heading(ui, "Intensity", "The lamp's intensity in the reference colour over that of the first light");
+        heading(ui, "Direction x, y, z", "To the light: x right, y up, z toward the camera; of any length");
+        ui.end_row();
+        for (l, light) in set.lights.iter().enumerate() {
+            ui.label(RichText::new(&light.name).strong());
+            for (c, _) in others() {
+                ui.vertical(|ui| part(ui, (l, c), |ui| alpha(ui, session, set, in_force, measured, (l, c))));
             }
-            part(ui, (l, "intensity"), |ui| intensity(ui, session, set, in_force, l));
-            part(ui, (l, "direction"), |ui| direction(ui, session, set, in_force, l));
-        });
-    }
+            ui.vertical(|ui| part(ui, (l, "intensity"), |ui| intensity(ui, session, set, in_force, l)));
+            ui.vertical(|ui| part(ui, (l, "direction"), |ui| direction(ui, session, set, in_force, l)));
+            ui.end_row();
+        }
+    });
 }
 
 fn beta(
@@ -52,12 +72,11 @@ fn beta(
 ) {
     let colour = &set.colours[c].name;
     let label = format!("beta, {colour}");
-    let meaning = format!("The paint's albedo in {colour} over that in {}", set.colours[0].name);
     let known = in_force.beta.as_ref().and_then(|beta| beta.get(c));
     let typed = set.calibration.beta.is_some();
     let was = measured.and_then(|measured| measured.beta.as_ref()?.get(c));
     let verdict = in_force.judge_beta(set, c);
-    match number(ui, (Number::Beta, &label), (&label, &meaning), known, was, typed, verdict) {
+    match number(ui, (Number::Beta, &label), known, was, typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
             let old = in_force.beta.as_deref().map(values).unwrap_or_else(|| vec![1.0; colours]);
@@ -81,14 +100,12 @@ fn alpha(
     let light = &set.lights[l].name;
     let colour = &set.colours[c].name;
     let label = format!("alpha, {light}, {colour}");
-    let shown = format!("alpha, {colour}");
-    let meaning = format!("This lamp's intensity in {colour} over that in {}", set.colours[0].name);
     let of = |calibrated: &Calibrated| calibrated.alpha.get(l)?.as_ref()?.get(c).cloned();
     let known = of(in_force);
     let was = measured.and_then(of);
     let typed = set.calibration.alpha.contains_key(light);
     let verdict = in_force.judge_alpha(l, c);
-    match number(ui, (Number::Alpha, &label), (&shown, &meaning), known.as_ref(), was.as_ref(), typed, verdict) {
+    match number(ui, (Number::Alpha, &label), known.as_ref(), was.as_ref(), typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             let colours = document.set.colours.len();
             let old = in_force.alpha.get(l).and_then(Option::as_deref).map(values);
@@ -106,9 +123,8 @@ fn intensity(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
     let light = &set.lights[l].name;
     let label = format!("intensity, {light}");
     let typed = set.calibration.intensity.contains_key(light);
-    let meaning = "This lamp's intensity in the reference colour over that of the first light";
     let (known, verdict) = (in_force.intensity.get(l), in_force.judge_intensity(l));
-    match number(ui, (Number::Intensity, &label), ("intensity", meaning), known, None, typed, verdict) {
+    match number(ui, (Number::Intensity, &label), known, None, typed, verdict) {
         Some(Change::Typed(value)) => session.edit(&format!("Type {label}"), |document| {
             document.set.calibration.intensity.insert(light.clone(), value);
         }),
@@ -127,8 +143,7 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
     let known = in_force.direction.get(l).and_then(Option::as_ref);
     let old = given.or_else(|| known.map(|known| known.value));
     let mut new = old.unwrap_or([0.0, 0.0, 1.0]);
-    ui.horizontal_wrapped(|ui| {
-        ui.label("direction").on_hover_text("To the light: x right, y up, z toward the camera; of any length");
+    ui.horizontal(|ui| {
         if old.is_none() {
             ui.label(RichText::new("unknown").color(ui.visuals().error_fg_color));
         }
@@ -159,7 +174,6 @@ fn direction(ui: &mut Ui, session: &mut Session, set: &CaptureSet, in_force: &Ca
 fn number(
     ui: &mut Ui,
     (what, label): (Number, &str),
-    (shown, meaning): (&str, &str),
     known: Option<&Known<f64>>,
     measured: Option<&Known<f64>>,
     typed: bool,
@@ -167,8 +181,7 @@ fn number(
 ) -> Option<Change<f64>> {
     let mut value = known.map_or(1.0, |known| known.value);
     let mut change = None;
-    ui.horizontal_wrapped(|ui| {
-        ui.label(shown).on_hover_text(meaning);
+    ui.horizontal(|ui| {
         if known.is_none() {
             ui.label(RichText::new("unknown").color(ui.visuals().error_fg_color));
         }
@@ -193,7 +206,7 @@ fn number(
 /// Verdict, source, and a button back to what was measured; whether it was pressed.
 fn judged(ui: &mut Ui, label: &str, source: &str, typed: bool, verdict: Option<Verdict>) -> bool {
     let mut back = false;
-    ui.horizontal_wrapped(|ui| {
+    ui.horizontal(|ui| {
         if let Some(verdict) = &verdict {
             ui.label(RichText::new(verdict.level.words()).small().strong().color(colour(ui, verdict.level)));
         }
@@ -206,7 +219,10 @@ fn judged(ui: &mut Ui, label: &str, source: &str, typed: bool, verdict: Option<V
         }
     });
     if let Some(reason) = verdict.as_ref().map(Verdict::reason).filter(|reason| !reason.is_empty()) {
-        ui.label(RichText::new(reason).small());
+        ui.scope(|ui| {
+            ui.set_max_width(REASON_WIDTH);
+            ui.add(Label::new(RichText::new(reason).small()).wrap());
+        });
     }
     back
 }

@@ -3,14 +3,22 @@
 use eframe::egui::{ComboBox, RichText, Ui};
 use firstbounce_capture::set::{Camera, Encoding, Number, Projection};
 
+use super::scale::ScalePart;
+use crate::app::state::layout::Shown;
 use crate::app::state::session::Session;
+use crate::app::views::Over;
 use crate::app::widgets::number_field::up_to;
+
+/// What a perspective camera begins with: a lens of 50 mm before pixels of 10 micrometres, half a metre away.
+const FIRST_FOCAL_LENGTH_PX: f64 = 5000.0;
+const FIRST_DISTANCE_MM: f64 = 500.0;
 
 /// The user's answers in this session.
 #[derive(Default)]
 pub struct CameraPart {
     /// Who answered is not asked again.
     answered: bool,
+    scale: ScalePart,
 }
 
 impl CameraPart {
@@ -18,10 +26,21 @@ impl CameraPart {
         self.question(ui, session);
         let old = session.document().set.camera.clone();
         let mut new = old.clone();
-        ui.collapsing("Camera", |ui| camera(ui, &mut new));
-        if new != old {
-            session.edit("Change camera", |document| document.set.camera = new);
-        }
+        ui.collapsing("Camera and scale", |ui| {
+            camera(ui, &mut new);
+            if new != old {
+                session.edit("Change camera", |document| document.set.camera = new);
+            }
+            self.scale.ui(ui, session);
+        });
+    }
+
+    pub fn overlay(&mut self, ui: &Ui, over: &Over<'_>) {
+        self.scale.overlay(ui, over);
+    }
+
+    pub fn wants_drag(&self, shown: &Shown) -> bool {
+        self.scale.wants_drag(shown)
     }
 
     /// 8-bit files are nearly always sRGB, and taken for linear they bend every number.
@@ -65,15 +84,64 @@ fn camera(ui: &mut Ui, camera: &mut Camera) {
         "White level is the file type's maximum",
         (Number::WhiteLevel, &mut camera.white_level, 65535.0),
     );
-    if let Projection::Orthographic { mm_per_pixel } = &mut camera.projection {
-        optional(
+    projection_box(ui, &mut camera.projection);
+    match &mut camera.projection {
+        Projection::Orthographic { mm_per_pixel } => optional(
             ui,
             "Millimetres per pixel",
             "Scale unknown: the shape is in pixels",
             (Number::MmPerPixel, mm_per_pixel, 0.1),
-        );
-    } else {
-        ui.label("Perspective camera: its parameters are in capture.toml.");
+        ),
+        Projection::Perspective { focal_length_px, principal_point, working_distance_mm } => {
+            for (title, what, value) in [
+                ("Focal length, px", Number::FocalLengthPx, focal_length_px),
+                ("Distance to the object, mm", Number::WorkingDistanceMm, working_distance_mm),
+            ] {
+                let label = ui.label(title);
+                ui.add(up_to(value, 4, what.range()).speed(1.0)).labelled_by(label.id);
+            }
+            principal_point_fields(ui, principal_point);
+        }
+    }
+}
+
+/// Where the optical axis meets the picture; absent, in its centre.
+fn principal_point_fields(ui: &mut Ui, principal_point: &mut Option<[f64; 2]>) {
+    let mut centred = principal_point.is_none();
+    if ui.checkbox(&mut centred, "The optical axis meets the picture in its centre").changed() {
+        *principal_point = (!centred).then_some([0.0, 0.0]);
+    }
+    for (value, axis) in principal_point.iter_mut().flatten().zip(["x", "y"]) {
+        let label = ui.label(format!("Principal point {axis}, px"));
+        ui.add(up_to(value, 3, Number::PrincipalPoint.range()).speed(0.5)).labelled_by(label.id);
+    }
+}
+
+/// Parallel rays, or rays through one point; what is known of the scale goes along.
+fn projection_box(ui: &mut Ui, projection: &mut Projection) {
+    let words = |is_perspective: bool| if is_perspective { "perspective" } else { "orthographic: far away" };
+    let mut is_perspective = matches!(projection, Projection::Perspective { .. });
+    let before = is_perspective;
+    ComboBox::from_label("Projection").selected_text(words(is_perspective)).show_ui(ui, |ui| {
+        for choice in [false, true] {
+            ui.selectable_value(&mut is_perspective, choice, words(choice));
+        }
+    });
+    if is_perspective != before {
+        *projection = other_projection(*projection);
+    }
+}
+
+fn other_projection(projection: Projection) -> Projection {
+    match projection {
+        Projection::Orthographic { mm_per_pixel } => Projection::Perspective {
+            focal_length_px: FIRST_FOCAL_LENGTH_PX,
+            principal_point: None,
+            working_distance_mm: mm_per_pixel.map_or(FIRST_DISTANCE_MM, |scale| scale * FIRST_FOCAL_LENGTH_PX),
+        },
+        Projection::Perspective { focal_length_px, working_distance_mm, .. } => {
+            Projection::Orthographic { mm_per_pixel: Some(working_distance_mm / focal_length_px) }
+        }
     }
 }
 

@@ -102,9 +102,6 @@ impl Incoming {
             let text = format!("Add {}", count_of(assigned));
             if ui.add_enabled(assigned > 0, Button::new(text)).clicked() {
                 session.edit("Add photos", |document| document.set = after.clone());
-                if document.set.shots.is_empty() {
-                    session.show_first_photo();
-                }
                 let left = previews.len() - assigned;
                 if left == 0 {
                     session.done(format!("Added {}", count_of(assigned)));

@@ -6,6 +6,7 @@ mod incoming;
 mod mask;
 mod names;
 mod questions;
+mod scale;
 mod shot;
 mod table;
 
@@ -78,21 +79,30 @@ impl Panel for Captures {
         part(ui, "camera", |ui| self.camera.ui(ui, session));
         part(ui, "names", |ui| names::ui(ui, session));
         part(ui, "mask", |ui| ui.collapsing("Mask", |ui| self.mask.ui(ui, session)));
-        ui.separator();
-        part(ui, "table", |ui| self.table.ui(ui, session, &mut self.selected));
+        part(ui, "chosen photo", |ui| {
+            if let Some(name) = self.selected.clone() {
+                shot::ui(ui, session, &name, &mut self.selected);
+            }
+        });
         part(ui, "warnings", |ui| warnings(ui, session));
     }
 
     fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {
         self.mask.overlay(ui, over, session);
+        self.camera.overlay(ui, over);
     }
 
     fn wants_drag(&self, shown: &Shown, _: &Session) -> bool {
-        self.mask.wants_drag(shown)
+        self.mask.wants_drag(shown) || self.camera.wants_drag(shown)
     }
 }
 
 impl Captures {
+    /// Every photo of the set, in a tile of its own.
+    pub fn photos(&mut self, ui: &mut Ui, session: &mut Session) {
+        self.table.ui(ui, session, &mut self.selected);
+    }
+
     /// Files and folders that were dropped on the window, or chosen in a dialog: the pictures in them are looked for off this
     /// thread, for a folder may be a whole disk.
     pub fn dropped(&mut self, paths: Vec<PathBuf>, session: &mut Session) {

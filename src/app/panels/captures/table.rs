@@ -10,14 +10,12 @@ use firstbounce_capture::pipeline::{Exposed, region_of, thumbnail};
 use firstbounce_capture::set::{CaptureSet, Encoding, Shot, ShotCell, ShotTable, Sphere};
 use thiserror::Error;
 
-use super::shot;
 use crate::app::base::jobs::Job;
 use crate::app::base::keyed::Keyed;
 use crate::app::state::layout::Shown;
 use crate::app::state::log::Level;
 use crate::app::state::results::{Loaded, ShotName};
 use crate::app::state::session::Session;
-use crate::app::widgets::part::part;
 
 const THUMBNAIL_PX: usize = 96;
 const THUMBNAIL_POINTS: f32 = 64.0;
@@ -63,9 +61,6 @@ impl Table {
             Grid::new(title)
                 .spacing(vec2(8.0, 6.0))
                 .show(ui, |ui| self.grid(ui, session, &document.set, &table, selected));
-            if let Some(name) = selected.clone().filter(|name| name.subject == table.subject) {
-                part(ui, title, |ui| shot::ui(ui, session, &name, selected));
-            }
             ui.add_space(6.0);
         }
     }

@@ -68,7 +68,7 @@ pub fn outcome(ui: &mut Ui, document: &Document, session: &Session) {
     match state {
         StageState::Stale => running(ui, 0.0),
         StageState::Running { fraction } => running(ui, fraction),
-        StageState::Failed { .. } | StageState::Blocked { .. } => {
+        StageState::Failed { .. } | StageState::Blocked { .. } | StageState::Cancelled { .. } => {
             line(ui, format!("Not separated by {title}."));
         }
         StageState::Ready => {

@@ -39,7 +39,7 @@ fn one(ui: &mut Ui, session: &mut Session, document: &Document, method: Method, 
     method_options::ui(ui, session, document, method);
     let state = session.results.state(Step::ByMethod(method), document);
     match &state {
-        StageState::Failed { line } | StageState::Blocked { line } => {
+        StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } => {
             ui.colored_label(ui.visuals().error_fg_color, line);
         }
         StageState::Running { .. } | StageState::Stale => advice(ui, &format!("{} is running.", upper_first(title))),

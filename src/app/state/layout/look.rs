@@ -6,6 +6,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::gpu::{ColourMap, Display, Encoding, Tint};
 
+/// Where the values at the two ends of a map come from, unless they are typed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Scale {
+    /// One scale for all light of a lamp, so that the same value has the same grey in all its pictures.
+    #[default]
+    Locked,
+    /// The picture's own values.
+    Own,
+}
+
 /// The user's choices; where there is none, the picture's own proposal holds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -16,7 +26,9 @@ pub struct Look {
     pub gamma: Option<f32>,
     /// Of single values.
     pub map: Option<ColourMap>,
-    /// The values at the two ends of the map.
+    /// Where the values at the two ends of the map come from.
+    pub scale: Scale,
+    /// The values at the two ends of the map, whatever the scale.
     pub range: Option<[f32; 2]>,
     /// Whether clipped values get stripes.
     pub clip_zebra: bool,

@@ -1,17 +1,28 @@
 //! The layout: which views there are, how they are arranged, and what each shows.
 
+mod arrangement;
 mod look;
 mod rebuild;
 mod shown;
+mod tree;
+
+use std::mem;
 
 use eframe::egui::Id;
 use egui_tiles::{LinearDir, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
-pub use look::Look;
-pub use shown::Shown;
+pub use look::{Look, Scale};
+pub use shown::{Pane, Shown};
 
+use crate::app::state::document::Document;
+use crate::app::state::panel::PanelName;
 use crate::app::state::surfaces::SurfaceLook;
+use arrangement::Arrangement;
+
+/// The key under which the arrangements are kept.
+const STEPS: &str = "steps";
 
 /// One view: what it shows and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,10 +31,11 @@ pub struct View {
     pub id: u64,
     /// What is shown.
     pub shown: Shown,
-    /// What it is compared with, by holding B or by a wipe.
+    /// What it is compared with.
     pub against: Option<Shown>,
-    /// Whether a line divides the two.
-    pub wipe: bool,
+    /// How.
+    #[serde(default)]
+    pub compare: Compare,
     /// How numbers become colours.
     pub look: Look,
     /// Whether zoom and pan follow the other linked views.
@@ -31,6 +43,49 @@ pub struct View {
     /// How a surface in 3D is shown.
     #[serde(default)]
     pub surface: SurfaceLook,
+}
+
+/// How a view shows what it is compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Compare {
+    /// While B is held.
+    #[default]
+    Hold,
+    /// A line divides the two.
+    Wipe,
+    /// The one minus the other.
+    Difference,
+}
+
+impl Compare {
+    /// All, in the order of the strip, with what they are called.
+    pub const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::Hold, "Hold B", "Shows the other picture while B is held"),
+        (Self::Wipe, "Wipe", "A line divides the two"),
+        (Self::Difference, "Difference", "This picture minus the other"),
+    ];
+}
+
+impl View {
+    fn showing(id: u64, shown: Shown) -> Self {
+        Self {
+            id,
+            shown,
+            against: None,
+            compare: Compare::default(),
+            look: Look::default(),
+            linked: true,
+            surface: SurfaceLook::default(),
+        }
+    }
+
+    /// What is drawn: the picture, or its difference to the one that it is compared with.
+    pub fn drawn(&self) -> Shown {
+        match (&self.against, self.compare) {
+            (Some(other), Compare::Difference) => Shown::difference(self.shown.clone(), other.clone()),
+            _ => self.shown.clone(),
+        }
+    }
 }
 
 /// The pixel under the pointer or the keyboard's cursor, and where.
@@ -42,9 +97,18 @@ pub struct Hover {
     pub pixel: (usize, usize),
 }
 
-/// All views and how they are arranged.
+/// All views and how they are arranged, each step's for itself.
 pub struct Views {
     tree: Tree<View>,
+    /// Whose tiles these are.
+    step: PanelName,
+    /// What they were made of, until they are changed by hand.
+    begun_as: Option<Arrangement>,
+    /// The tiles of the steps that were left.
+    left: Vec<Left>,
+    /// The view that has all of the centre for itself.
+    maximised: Option<u64>,
+    several: bool,
     /// The pixel that is looked at, in this frame or the last.
     pub hover: Option<Hover>,
     /// The view that commands act on: the one that was clicked last.
@@ -53,6 +117,14 @@ pub struct Views {
     arrangement: Vec<(u64, Arrange)>,
     /// What the active view is to show once the views are drawn.
     wanted: Option<Shown>,
+}
+
+/// The tiles of a step that was left.
+struct Left {
+    step: PanelName,
+    tree: Tree<View>,
+    begun_as: Option<Arrangement>,
+    active: Option<u64>,
 }
 
 /// A change of the arrangement, made after all views were drawn.
@@ -77,33 +149,129 @@ impl Default for Views {
 impl Views {
     /// One view of one picture.
     pub fn showing(shown: Shown) -> Self {
-        let view = View {
-            id: 0,
-            shown,
-            against: None,
-            wipe: false,
-            look: Look::default(),
-            linked: true,
-            surface: SurfaceLook::default(),
-        };
-        Self::of(Tree::new_tabs(Id::unique("views"), vec![view]))
+        let begun_as = Some(Arrangement::One(shown.clone()));
+        let views = Self::of(Tree::new_tabs(Id::unique("views"), vec![View::showing(0, shown)]));
+        Self { begun_as, ..views }
     }
 
     fn of(tree: Tree<View>) -> Self {
         let next_id = panes(&tree.tiles).map(|view| view.id + 1).max().unwrap_or(0);
         let active = panes(&tree.tiles).map(|view| view.id).min();
-        Self { tree, hover: None, active, next_id, arrangement: Vec::new(), wanted: None }
+        Self {
+            tree,
+            step: PanelName::Captures,
+            begun_as: None,
+            left: Vec::new(),
+            maximised: None,
+            several: false,
+            hover: None,
+            active,
+            next_id,
+            arrangement: Vec::new(),
+            wanted: None,
+        }
     }
 
-    /// The arrangement as it is kept beside the set.
-    pub fn to_json(&self) -> serde_json::Value {
-        serde_json::to_value(&self.tree).unwrap_or_default()
+    /// The arrangements that were changed, as they are kept beside the set.
+    pub fn to_json(&self) -> Value {
+        let own = [(self.step, &self.tree, &self.begun_as)].into_iter();
+        let all = own.chain(self.left.iter().map(|left| (left.step, &left.tree, &left.begun_as)));
+        let changed = all.filter(|(_, _, begun_as)| begun_as.is_none());
+        let steps = changed.map(|(step, tree, _)| (step.title().to_owned(), serde_json::to_value(tree).unwrap_or_default()));
+        Value::Object(Map::from_iter([(STEPS.to_owned(), Value::Object(steps.collect()))]))
     }
 
-    /// The arrangement that was kept; `None` if it holds no view.
-    pub fn from_json(kept: serde_json::Value) -> Option<Self> {
-        let tree: Tree<View> = serde_json::from_value(kept).ok()?;
-        rebuild::rebuilt(&tree).map(Self::of)
+    /// The arrangements that were kept; `None` where there is none. That of a version that had one for all steps is the first
+    /// step's.
+    pub fn from_json(kept: Value) -> Option<Self> {
+        let of_step = |step: PanelName| match kept.get(STEPS) {
+            Some(steps) => steps.get(step.title()),
+            None => Some(&kept).filter(|_| step == PanelName::Captures),
+        };
+        let mut views = Self::default();
+        for step in PanelName::ALL {
+            let Some(tree) = of_step(step).and_then(|kept| serde_json::from_value::<Tree<View>>(kept.clone()).ok()) else {
+                continue;
+            };
+            let Some(tree) = rebuild::rebuilt(&tree, &mut views.next_id) else { continue };
+            let active = panes(&tree.tiles).map(|view| view.id).min();
+            if step == views.step {
+                (views.tree, views.begun_as, views.active) = (tree, None, active);
+            } else {
+                views.left.push(Left { step, tree, begun_as: None, active });
+            }
+        }
+        (views.begun_as.is_none() || !views.left.is_empty()).then_some(views)
+    }
+
+    /// Shows the tiles of a step: as they were left, or else as the set has them.
+    pub fn turn_to(&mut self, step: PanelName, document: &Document) {
+        if step != self.step {
+            self.maximised = None;
+            let known = self.left.iter().position(|left| left.step == step).map(|index| self.left.swap_remove(index));
+            let known = known.unwrap_or_else(|| Left {
+                step,
+                tree: Tree::empty(Id::unique("views")),
+                begun_as: Some(Arrangement::Row(Vec::new())),
+                active: None,
+            });
+            self.left.push(Left {
+                step: mem::replace(&mut self.step, known.step),
+                tree: mem::replace(&mut self.tree, known.tree),
+                begun_as: mem::replace(&mut self.begun_as, known.begun_as),
+                active: mem::replace(&mut self.active, known.active),
+            });
+        }
+        let Some(begun_as) = &self.begun_as else { return };
+        let arrangement = Arrangement::of(step, document);
+        if *begun_as != arrangement {
+            self.begin_as(arrangement);
+        }
+    }
+
+    /// Brings back what the step begins with.
+    pub fn reset(&mut self, document: &Document) {
+        self.begin_as(Arrangement::of(self.step, document));
+    }
+
+    fn begin_as(&mut self, arrangement: Arrangement) {
+        self.maximised = None;
+        self.tree = tree::built(&arrangement, &mut self.next_id);
+        let mut ids: Vec<_> = panes(&self.tree.tiles).map(|view| view.id).collect();
+        ids.sort_unstable();
+        self.active = ids.get(Arrangement::main(self.step)).or(ids.first()).copied();
+        self.begun_as = Some(arrangement);
+    }
+
+    /// Notes that the tiles were changed by hand: they stay as they are now.
+    pub fn note_change(&mut self) {
+        self.begun_as = None;
+    }
+
+    /// This many views in place of what there is: one, two side by side, or four.
+    pub fn preset(&mut self, count: usize) {
+        let mut views: Vec<View> = panes(&self.tree.tiles).cloned().collect();
+        views.sort_by_key(|view| (Some(view.id) != self.active, view.id));
+        let Some(first) = views.first().cloned() else { return };
+        while views.len() < count {
+            views.push(View { id: self.next_id, ..first.clone() });
+            self.next_id += 1;
+        }
+        views.truncate(count);
+        self.tree = tree::grid(views);
+        self.maximised = None;
+        self.note_change();
+    }
+
+    /// The view that has the centre for itself.
+    pub fn maximised(&self) -> Option<u64> {
+        self.maximised
+    }
+
+    /// Gives a view all of the centre, or gives it back.
+    pub fn maximise(&mut self, id: u64) {
+        self.maximised = if self.maximised == Some(id) { None } else { Some(id) };
+        self.active = Some(id);
     }
 
     /// The view that commands act on.
@@ -118,6 +286,16 @@ impl Views {
             egui_tiles::Tile::Pane(view) if Some(view.id) == active => Some(view),
             _ => None,
         })
+    }
+
+    /// Which view commands act on.
+    pub fn active_id(&self) -> Option<u64> {
+        self.active
+    }
+
+    /// Whether there is more than one view; while they are drawn, whether there was.
+    pub fn has_several(&self) -> bool {
+        self.several
     }
 
     /// Every view.
@@ -135,6 +313,18 @@ impl Views {
         {
             view.shown = shown;
             view.look = Look::default();
+            self.note_change();
+        }
+    }
+
+    /// Changes every linked view of a picture at once.
+    pub fn change_linked(&mut self, mut change: impl FnMut(&mut View)) {
+        for tile in self.tree.tiles.tiles_mut() {
+            if let egui_tiles::Tile::Pane(view) = tile
+                && view.linked
+            {
+                change(view);
+            }
         }
     }
 
@@ -186,7 +376,8 @@ impl Views {
 
     /// The tiles, to be drawn: what is shown or arranged meanwhile waits until [`Views::put_back`].
     pub fn take_tree(&mut self) -> Tree<View> {
-        std::mem::replace(&mut self.tree, Tree::empty(Id::unique("views")))
+        self.several = panes(&self.tree.tiles).count() > 1;
+        mem::replace(&mut self.tree, Tree::empty(Id::unique("views")))
     }
 
     /// The tiles after they were drawn, and what was asked for meanwhile.
@@ -209,7 +400,9 @@ impl Views {
     }
 
     fn apply_arrangement(&mut self) {
-        for (id, arrange) in std::mem::take(&mut self.arrangement) {
+        for (id, arrange) in mem::take(&mut self.arrangement) {
+            self.note_change();
+            self.maximised = None;
             let tile = |(tile, of): (&TileId, &egui_tiles::Tile<View>)| match of {
                 egui_tiles::Tile::Pane(view) if view.id == id => Some((*tile, view.clone())),
                 _ => None,
@@ -242,29 +435,45 @@ impl Views {
         let view = self.copy_of(view);
         let id = view.id;
         let new = self.tree.tiles.insert_pane(view);
-        let parent = self.tree.tiles.parent_of(tile);
-        if let Some(egui_tiles::Tile::Container(container)) = parent.and_then(|parent| self.tree.tiles.get_mut(parent))
-        {
+        let tabs = self.tabs_of(tile);
+        if let Some(egui_tiles::Tile::Container(container)) = self.tree.tiles.get_mut(tabs) {
             container.add_child(new);
         }
         self.bring_to_front(id);
     }
 
+    /// The tabs that a view lies in: a view alone gets tabs of its own.
+    fn tabs_of(&mut self, tile: TileId) -> TileId {
+        let parent = self.tree.tiles.parent_of(tile);
+        match parent.and_then(|parent| Some((parent, self.tree.tiles.get(parent)?))) {
+            Some((parent, egui_tiles::Tile::Container(egui_tiles::Container::Tabs(_)))) => parent,
+            _ => {
+                let tabs = self.tree.tiles.insert_tab_tile(vec![tile]);
+                self.put_in_place_of(parent, tile, tabs);
+                tabs
+            }
+        }
+    }
+
     /// Puts a row or a column in the place of the view's tabs, with those tabs and a new view in it.
     fn split(&mut self, tile: TileId, view: View, direction: LinearDir) {
         let view = self.copy_of(view);
-        let tabs = self.tree.tiles.parent_of(tile).unwrap_or(tile);
+        let tabs = self.tabs_of(tile);
         let outer = self.tree.tiles.parent_of(tabs);
         let new = self.tree.tiles.insert_pane(view);
-        let new_tabs = self.tree.tiles.insert_tab_tile(vec![new]);
-        let children = vec![tabs, new_tabs];
+        let children = vec![tabs, new];
         let both = match direction {
             LinearDir::Horizontal => self.tree.tiles.insert_horizontal_tile(children),
             LinearDir::Vertical => self.tree.tiles.insert_vertical_tile(children),
         };
-        match outer.and_then(|outer| self.tree.tiles.get_mut(outer)) {
-            Some(egui_tiles::Tile::Container(container)) => replace_child(container, tabs, both),
-            _ => self.tree = Tree::new(Id::unique("views"), both, std::mem::take(&mut self.tree.tiles)),
+        self.put_in_place_of(outer, tabs, both);
+    }
+
+    /// In the container, or as the root.
+    fn put_in_place_of(&mut self, container: Option<TileId>, old: TileId, new: TileId) {
+        match container.and_then(|container| self.tree.tiles.get_mut(container)) {
+            Some(egui_tiles::Tile::Container(container)) => replace_child(container, old, new),
+            _ => self.tree = Tree::new(Id::unique("views"), new, mem::take(&mut self.tree.tiles)),
         }
     }
 }

@@ -15,9 +15,11 @@ const MAX_VIEWS: u64 = 64;
 const SHARES: (f32, f32) = (0.02, 50.0);
 
 /// The same arrangement, built anew: no part of it contains itself, every view has an identity of its own and a look
-/// within its ranges, and every share of a row or column is a positive number. `None` if it holds no view.
-pub fn rebuilt(kept: &Tree<View>) -> Option<Tree<View>> {
-    let mut building = Building { kept: &kept.tiles, seen: HashSet::new(), tiles: Tiles::default(), views: 0 };
+/// within its ranges, and every share of a row or column is a positive number. Views are numbered from `next_id` on. `None` if
+/// it holds no view.
+pub fn rebuilt(kept: &Tree<View>, next_id: &mut u64) -> Option<Tree<View>> {
+    let (seen, tiles) = (HashSet::new(), Tiles::default());
+    let mut building = Building { kept: &kept.tiles, seen, tiles, views: 0, next_id };
     let root = building.tile(kept.root()?, MAX_DEPTH)?;
     Some(Tree::new(Id::unique("views"), root, building.tiles))
 }
@@ -27,6 +29,7 @@ struct Building<'k> {
     seen: HashSet<TileId>,
     tiles: Tiles<View>,
     views: u64,
+    next_id: &'k mut u64,
 }
 
 impl Building<'_> {
@@ -45,8 +48,8 @@ impl Building<'_> {
             return None;
         }
         let (look, surface) = (view.look.within_ranges(), view.surface.within_ranges());
-        let id = self.views;
-        self.views += 1;
+        let id = *self.next_id;
+        (self.views, *self.next_id) = (self.views + 1, id + 1);
         Some(self.tiles.insert_pane(View { id, look, surface, ..view.clone() }))
     }
 

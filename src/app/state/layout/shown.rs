@@ -41,9 +41,36 @@ pub enum Shown {
     Surface,
     /// One picture of single values minus another.
     Difference(Box<Shown>, Box<Shown>),
+    /// What a step has to show that is no picture.
+    Pane(Pane),
     /// A row of the table of plain pictures, saved under its own name.
     #[serde(untagged)]
     Plain(PlainPicture),
+}
+
+/// What a step shows in the centre beside pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Pane {
+    /// Every photo of the set, lights down, colours across.
+    Photos,
+    /// The lights on a dome.
+    Dome,
+    /// The values of the rig that are in force.
+    Rig,
+}
+
+impl Pane {
+    /// All, in the order of the menu.
+    pub const ALL: [Self; 3] = [Self::Photos, Self::Dome, Self::Rig];
+
+    /// What it is called.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Photos => "All photos",
+            Self::Dome => "Lights on a dome",
+            Self::Rig => "Values in force",
+        }
+    }
 }
 
 impl Default for Shown {
@@ -80,6 +107,7 @@ impl Shown {
             Self::FigureOne { light } => format!("Bounces 1 and 2 in colour, {light}"),
             Self::Normals(name) => format!("Normals {}", name.words()),
             Self::Surface => "Surface in 3D".into(),
+            Self::Pane(pane) => pane.title().into(),
             Self::Difference(a, b) => match (&**a, &**b) {
                 (Self::Normals(a), Self::Normals(b)) => {
                     format!("Angle between normals {} and {}", a.words(), b.words())
@@ -98,7 +126,7 @@ impl Shown {
                 Some(light)
             }
             Self::Difference(a, _) => a.light(),
-            Self::Normals(_) | Self::Surface => None,
+            Self::Normals(_) | Self::Surface | Self::Pane(_) => None,
             Self::Plain(picture) => picture.light(),
         }
     }
@@ -122,6 +150,25 @@ impl Shown {
         }
     }
 
+    /// The same of another light, colour or bounce, where it is of one.
+    pub fn with_light(&self, name: &str) -> Self {
+        let mut other = self.clone();
+        match &mut other {
+            Self::Photo(shot) => {
+                if let Some(light) = &mut shot.light {
+                    *light = name.into();
+                }
+            }
+            Self::Bounce { light, .. } | Self::Sum { light } | Self::Marks { light } | Self::FigureOne { light } => {
+                *light = name.into();
+            }
+            Self::Difference(a, b) => (*a, *b) = (Box::new(a.with_light(name)), Box::new(b.with_light(name))),
+            Self::Plain(picture) => picture.put_light(name),
+            Self::Normals(_) | Self::Surface | Self::Pane(_) => {}
+        }
+        other
+    }
+
     /// The stage that it comes from. Bounces are computed of the photos while they are drawn.
     pub fn step(&self) -> Step {
         match self {
@@ -129,6 +176,7 @@ impl Shown {
             Self::Marks { .. } => Step::Separate,
             Self::Normals(name) => stage_of(*name),
             Self::Surface => Step::Mesh,
+            Self::Pane(_) => Step::Load,
             Self::Difference(a, b) => a.step().max(b.step()),
             Self::Plain(picture) => picture.step(),
         }
@@ -141,7 +189,7 @@ impl Shown {
             Self::Photo(_) | Self::Bounce { .. } | Self::Sum { .. } | Self::Marks { .. } => Quantity::LIGHT,
             Self::FigureOne { .. } => plain("Bounce 1 red, bounce 2 times 3 cyan"),
             Self::Normals(_) => plain("Normal x, y, z as red, green, blue"),
-            Self::Surface => plain(""),
+            Self::Surface | Self::Pane(_) => plain(""),
             Self::Difference(a, _) if matches!(**a, Self::Normals(_)) => {
                 Quantity { unit: " degrees", ..plain("Angle between normals, degrees") }
             }

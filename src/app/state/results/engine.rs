@@ -142,6 +142,11 @@ pub enum StageState {
         /// What to do.
         line: String,
     },
+    /// The user stopped it.
+    Cancelled {
+        /// What to do.
+        line: String,
+    },
     /// It cannot be computed: something before it is missing.
     Blocked {
         /// What to do.
@@ -239,6 +244,7 @@ impl Results {
             None => self.blocked(index, document),
             key if slot.is_stale(key.as_ref()) => StageState::Stale,
             Some(_) => match &slot.error {
+                Some(error @ StageError::Cancelled) => StageState::Cancelled { line: error.to_string() },
                 Some(error) => StageState::Failed { line: error.to_string() },
                 None => StageState::Ready,
             },
@@ -250,7 +256,7 @@ impl Results {
         let stage = &self.rows[index].stage;
         let before = stage.needs();
         match before.map(|before| self.state(before, document)) {
-            Some(StageState::Failed { .. }) => {
+            Some(StageState::Failed { .. } | StageState::Cancelled { .. }) => {
                 let failed =
                     before.and_then(|before| Some((before, self.rows[self.index(before)?].slot.error.clone()?)));
                 let reason = |(step, reason)| StageError::Before { step, reason: Box::new(reason) };
@@ -360,7 +366,8 @@ impl Results {
                 Ok(result)
             }
             Err(error) => {
-                log(Level::Error, format!("{}: {error}", stage.title()));
+                let level = if matches!(error, StageError::Cancelled) { Level::Done } else { Level::Error };
+                log(level, format!("{}: {error}", stage.title()));
                 Err(error)
             }
         };

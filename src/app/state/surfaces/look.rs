@@ -10,6 +10,13 @@ use serde::{Deserialize, Serialize};
 use crate::app::state::results::SurfaceName;
 use crate::gpu::mesh::{Bounds, Camera, Lens, StandardView};
 
+/// The colours of before, after and a scan, sRGB: in 3D, plots and tables alike. Green, yellow and red are verdicts alone.
+pub const BEFORE: [u8; 3] = [232, 164, 62];
+/// See [`BEFORE`].
+pub const AFTER: [u8; 3] = [64, 186, 178];
+/// See [`BEFORE`].
+pub const SCAN: [u8; 3] = [176, 180, 186];
+
 /// A surface that can be shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LayerName {
@@ -34,7 +41,7 @@ impl LayerName {
     /// What it is called.
     pub fn title(self) -> &'static str {
         match self {
-            Self::AFTER => "Direct light",
+            Self::AFTER => "After",
             Self::Surface(SurfaceName::Before) => "Before",
             Self::Surface(SurfaceName::By(method)) => method.title(),
             Self::Reference => "Reference",
@@ -44,7 +51,7 @@ impl LayerName {
     /// The same within a sentence.
     pub fn in_sentence(self) -> &'static str {
         match self {
-            Self::AFTER => "direct light",
+            Self::AFTER => "after",
             Self::Surface(SurfaceName::Before) => "before",
             Self::Surface(SurfaceName::By(method)) => method.title(),
             Self::Reference => "reference",
@@ -118,15 +125,15 @@ pub struct LayerLook {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Layers {
-    /// Direct light: green, as bounce 1 in the paper's figures.
+    /// Teal.
     after: LayerLook,
-    /// Before: cyan.
+    /// Amber.
     before: LayerLook,
     /// Other methods, until one is changed: violet.
     nayar: LayerLook,
     /// Those that were changed.
     others: BTreeMap<Method, LayerLook>,
-    /// The scan: red.
+    /// The scan: grey.
     reference: LayerLook,
 }
 
@@ -134,11 +141,11 @@ impl Default for Layers {
     fn default() -> Self {
         let layer = |visible, colour| LayerLook { visible, shaded: true, colour };
         Self {
-            after: layer(true, [112, 196, 112]),
-            before: layer(false, [84, 196, 214]),
+            after: layer(true, AFTER),
+            before: layer(false, BEFORE),
             nayar: layer(false, [178, 140, 222]),
             others: BTreeMap::new(),
-            reference: layer(true, [222, 98, 88]),
+            reference: layer(true, SCAN),
         }
     }
 }
@@ -204,6 +211,14 @@ impl SurfaceLook {
             }
             LayerName::Reference => &mut self.layers.reference,
         }
+    }
+
+    /// Shows one surface and no other.
+    pub fn show_only(&mut self, only: LayerName) {
+        for name in LayerName::all() {
+            self.layer_mut(name).visible = name == only;
+        }
+        self.colours = LayerColours::Always;
     }
 
     /// The eye in force for what is in the bounds.

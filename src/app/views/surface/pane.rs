@@ -95,7 +95,7 @@ fn nothing(look: &SurfaceLook, document: &Document, session: &Session) -> String
         return line.to_string();
     }
     match session.results.state(Step::Mesh, document) {
-        StageState::Failed { line } | StageState::Blocked { line } => line,
+        StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } => line,
         StageState::Stale | StageState::Running { .. } => "the surface is being computed".into(),
         StageState::Ready if session.surfaces.is_at_rest() => {
             "this layer is not there: choose another in Layers".into()

@@ -177,6 +177,13 @@ pub struct PlainPicture {
 }
 
 impl PlainPicture {
+    /// Makes it that of another light, where it is of one.
+    pub fn put_light(&mut self, name: &str) {
+        if let Of::Light { light, .. } = &mut self.of {
+            *light = name.into();
+        }
+    }
+
     /// What people call it.
     pub fn title(&self) -> String {
         let title = self.plain.row().title;
