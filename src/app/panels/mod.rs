@@ -11,7 +11,7 @@ mod shape;
 
 use std::path::PathBuf;
 
-use eframe::egui::{ScrollArea, Ui};
+use eframe::egui::{Frame, ScrollArea, Ui};
 
 use crate::app::state::layout::{Pane, Shown};
 use crate::app::state::panel::PanelName;
@@ -87,11 +87,12 @@ impl Overlay for Panels {
     }
 
     fn pane(&mut self, ui: &mut Ui, pane: Pane, session: &mut Session) {
-        ScrollArea::both().auto_shrink(false).show(ui, |ui| match pane {
+        let shown = |ui: &mut Ui| match pane {
             Pane::Photos => self.captures.photos(ui, session),
             Pane::Dome => self.calibrate.dome(ui, session),
             Pane::Rig => self.calibrate.values(ui, session),
-        });
+        };
+        Frame::new().inner_margin(8.0).show(ui, |ui| ScrollArea::both().auto_shrink(false).show(ui, shown));
     }
 
     fn wants_drag(&mut self, shown: &Shown, session: &Session) -> bool {

@@ -1,11 +1,12 @@
 //! The Shape panel: lights, shadow thresholds, and the surface before and after.
 
+mod card;
 mod methods;
 mod paint;
 
 use std::sync::Arc;
 
-use eframe::egui::{Button, DragValue, Grid, RichText, Ui};
+use eframe::egui::{Button, DragValue, Grid, RichText, Ui, Vec2, vec2};
 use firstbounce_capture::pipeline::{Evaluation, Method, PipelineError, evaluate};
 use firstbounce_capture::set::{Number, ShapeSettings};
 use firstbounce_core::stereo::shape::Shape;
@@ -20,6 +21,10 @@ use crate::app::state::results::{Plain, Shapes, StageState, Step, SurfaceName, s
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 use crate::app::widgets::number_field;
+use crate::app::widgets::part::part;
+
+/// Between the cells of tables, in points.
+const TIGHT: Vec2 = vec2(8.0, 4.0);
 
 /// Photometric stereo solves for three unknowns.
 const MIN_LIGHTS: usize = 3;
@@ -35,10 +40,7 @@ pub struct ShapePanel {
 impl Panel for ShapePanel {
     fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
         let document = session.document();
-        lights(ui, session, &document);
-        ui.separator();
-        options(ui, session, &document);
-        ui.separator();
+        self.evaluate(session, &document);
         match session.results.state(Step::Shape, &document) {
             StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } => {
                 ui.colored_label(ui.visuals().error_fg_color, line);
@@ -46,16 +48,23 @@ impl Panel for ShapePanel {
             StageState::Running { .. } | StageState::Stale => advice(ui, "The surface is being computed."),
             StageState::Ready => {}
         }
-        if let Some(shapes) = session.results.shapes() {
-            in_3d(ui, session);
-            paint::found(ui, &document, &shapes.after);
-            before_and_after(ui, session, &shapes);
-        }
-        ui.separator();
         let evaluated = self.evaluated.of(&document).and_then(|outcome| outcome.as_ref().ok());
+        if let Some(shapes) = session.results.shapes() {
+            let truth = evaluated.map(|evaluated| &evaluated.in_force);
+            part(ui, "result", |ui| card::ui(ui, session, &document, &shapes, truth));
+            paint::found(ui, &document, &shapes.after);
+            part(ui, "numbers", |ui| before_and_after(ui, session, &shapes));
+        }
+        part(ui, "lights and thresholds", |ui| {
+            ui.collapsing("Lights and thresholds", |ui| {
+                lights(ui, session, &document);
+                options(ui, session, &document);
+            })
+        });
+        ui.separator();
         let errors = evaluated.and_then(|evaluated| evaluated.compared.iter().find_map(|(_, of)| of.nayar.as_ref()));
         methods::ui(ui, session, &document, errors);
-        self.truth(ui, session, &document);
+        self.truth(ui, &document);
         self.reference.ui(ui, session, &document);
     }
 }
@@ -133,38 +142,31 @@ fn options(ui: &mut Ui, session: &mut Session, document: &Document) {
     }
 }
 
-fn in_3d(ui: &mut Ui, session: &mut Session) {
-    let button = Button::new(RichText::new("Show the surface in 3D").strong().size(15.0));
-    if ui.add_sized([ui.available_width(), 30.0], button).on_hover_text("F7").clicked() {
-        session.views.open(Shown::Surface);
-    }
-    ui.add_space(4.0);
-}
-
 fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     let document = session.document();
     let others = document.compared().map(SurfaceName::By);
     let is_ready = |name: &SurfaceName| session.results.state(stage_of(*name), &document) == StageState::Ready;
     let mut columns = vec![("before".to_owned(), shapes.before.clone()), ("after".to_owned(), shapes.after.clone())];
     columns.extend(others.filter(is_ready).filter_map(|name| Some((name.words(), session.results.shape(name)?))));
-    ui.label(RichText::new("Before and after separation").strong());
-    Grid::new("before and after").num_columns(1 + columns.len()).striped(true).show(ui, |ui| {
-        ui.label("");
-        for (heading, _) in &columns {
-            ui.label(RichText::new(heading).strong());
-        }
-        ui.end_row();
-        for (what, value) in ROWS {
-            ui.label(*what);
-            for (_, shape) in &columns {
-                ui.monospace(value(shape));
+    ui.collapsing("Numbers before and after", |ui| {
+        Grid::new("before and after").num_columns(1 + columns.len()).striped(true).spacing(TIGHT).show(ui, |ui| {
+            ui.label("");
+            for (heading, _) in &columns {
+                ui.label(RichText::new(heading).strong());
             }
             ui.end_row();
-        }
+            for (what, meaning, value) in ROWS {
+                ui.label(*what).on_hover_text(*meaning);
+                for (_, shape) in &columns {
+                    ui.monospace(value(shape));
+                }
+                ui.end_row();
+            }
+        });
     });
     if let Some(turned) = shapes.turned {
         ui.label(format!(
-            "Mean change of the normals {:.2} degrees, median {:.2} degrees.",
+            "Mean change of the normals {:.2}\u{b0}, median {:.2}\u{b0}.",
             turned.mean_deg, turned.median_deg
         ));
     }
@@ -183,33 +185,42 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
     });
 }
 
-type Row = (&'static str, fn(&Shape) -> String);
+/// What it is called, what it means, and the value.
+type Row = (&'static str, &'static str, fn(&Shape) -> String);
 
 const ROWS: &[Row] = &[
-    ("Pixels with a normal", |shape| shape.report.normals.solved_pixels.to_string()),
-    ("Pixels without", |shape| shape.report.normals.unsolved_pixels.to_string()),
-    ("With shadowed lights excluded", |shape| shape.report.normals.shadowed_pixels.to_string()),
-    ("Expected noise, degrees", |shape| format!("{:.2}", shape.report.normals.mean_noise_deg)),
-    ("Mean albedo", |shape| format!("{:.4}", shape.report.normals.mean_albedo)),
-    ("Condition number of the light matrix", |shape| format!("{:.2}", shape.report.normals.condition_number)),
-    ("Slope residual of the depth", |shape| format!("{:.4}", shape.depth.report.rms_slope_residual)),
-    ("Unconnected parts", |shape| shape.depth.report.islands.to_string()),
+    ("Solved", "Pixels with a normal", |shape| shape.report.normals.solved_pixels.to_string()),
+    ("Unsolved", "Pixels without a normal", |shape| shape.report.normals.unsolved_pixels.to_string()),
+    ("In shadow", "Pixels with a light left out, for it is in shadow there", |shape| shape.report.normals.shadowed_pixels.to_string()),
+    ("Noise, degrees", "Expected noise of the normals", |shape| format!("{:.2}", shape.report.normals.mean_noise_deg)),
+    ("Albedo", "Mean albedo", |shape| format!("{:.4}", shape.report.normals.mean_albedo)),
+    ("Conditioning", "Condition number of the light matrix", |shape| format!("{:.2}", shape.report.normals.condition_number)),
+    ("Slope residual", "Slope residual of the depth", |shape| format!("{:.4}", shape.depth.report.rms_slope_residual)),
+    ("Parts", "Unconnected parts of the object", |shape| shape.depth.report.islands.to_string()),
 ];
 
 impl ShapePanel {
+    /// Compares with the truth of a set that knows it, as soon as there is a surface.
+    fn evaluate(&mut self, session: &mut Session, document: &Arc<Document>) {
+        self.evaluated.poll();
+        let is_ready = session.results.is_at_rest(document)
+            && session.results.state(Step::Shape, document) == StageState::Ready;
+        if is_ready && document.set.truth_normals().is_file() && self.evaluated.wants(document) {
+            let edited = document.clone();
+            let task = session.jobs.start("Compare with the truth", move |job| Evaluated::of(&edited, job));
+            self.evaluated.start(document.clone(), task);
+        }
+    }
+
     /// For sets that know the truth.
-    fn truth(&mut self, ui: &mut Ui, session: &mut Session, document: &Arc<Document>) {
+    fn truth(&mut self, ui: &mut Ui, document: &Arc<Document>) {
         if !document.set.truth_normals().is_file() {
             return;
         }
         ui.separator();
         ui.label(RichText::new("Against the truth of this set").strong());
-        self.evaluated.poll();
-        let free = self.evaluated.running().is_none();
-        if ui.add_enabled(free, Button::new("Compare with the truth")).clicked() {
-            let edited = document.clone();
-            let task = session.jobs.start("Compare with the truth", move |job| Evaluated::of(&edited, job));
-            self.evaluated.start(document.clone(), task);
+        if self.evaluated.running().is_some() {
+            advice(ui, "Comparing with the truth.");
         }
         match self.evaluated.last() {
             Some((_, Err(error))) => {
@@ -218,7 +229,7 @@ impl ShapePanel {
             Some((of, Ok(evaluation))) => {
                 evaluation_ui(ui, evaluation);
                 if of != document {
-                    ui.colored_label(ui.visuals().warn_fg_color, "The set was edited since: compare again.");
+                    ui.colored_label(ui.visuals().warn_fg_color, "Of the set before it was edited.");
                 }
             }
             None => {}
@@ -243,7 +254,7 @@ impl Evaluated {
 
 fn evaluation_ui(ui: &mut Ui, Evaluated { in_force: evaluation, compared }: &Evaluated) {
     let errors = &evaluation.normal_error_deg;
-    Grid::new("truth").num_columns(2).striped(true).show(ui, |ui| {
+    Grid::new("truth").num_columns(2).striped(true).spacing(TIGHT).show(ui, |ui| {
         let mut row = |what: &str, value: String| {
             ui.label(what);
             ui.monospace(value);

@@ -19,6 +19,8 @@ use crate::app::widgets::plate::{plate, plate_in};
 use crate::gpu::Display;
 
 const HEADER_HEIGHT: f32 = 24.0;
+/// Tiles that are wider have the tools of a surface beside each other.
+const WIDE: f32 = 640.0;
 /// Tiles that are narrower have their zooms by keys and menu alone.
 const NARROW: f32 = 260.0;
 
@@ -69,7 +71,7 @@ fn header(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Ca
         picture_menu(ui, view, session, is_active, 0.45 * width);
         if view.shown == Shown::Surface {
             let document = session.document();
-            surface::toolbar(ui, &mut view.surface, canvases.surface(view.id), &document, session);
+            surface::toolbar(ui, &mut view.surface, canvases.surface(view.id), &document, session, width > WIDE);
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             tile_buttons(ui, view, session);
@@ -88,7 +90,8 @@ fn header(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Ca
 fn picture_menu(ui: &mut Ui, view: &mut View, session: &mut Session, is_active: bool, width: f32) {
     let document = session.document();
     let title = view.drawn().title();
-    let text = RichText::new(elided(ui, &title, width));
+    let short = if view.shown == Shown::Surface { view.surface.title() } else { title.clone() };
+    let text = RichText::new(elided(ui, &short, width));
     let button = MenuButton::new(if is_active { text.strong() } else { text });
     let (response, _) = button.ui(ui, |ui| {
         let in_3d = ui.selectable_label(view.shown == Shown::Surface, Shown::Surface.title()).clicked();

@@ -11,12 +11,15 @@ use crate::gpu::ColourMap;
 
 /// Of the strip, in points.
 pub const HEIGHT: f32 = 26.0;
+/// Narrower views have their colour map in the menu of a wider one alone.
+const WIDE: f32 = 300.0;
 /// Of its fields, in points.
 const FIELD: f32 = 58.0;
 
 /// Shows it.
 pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases) {
     let title = view.shown.title();
+    let is_wide = ui.available_width() > WIDE;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let field = up_to(&mut view.look.exposure_stops, 1, Look::EXPOSURE_STOPS).speed(0.05).suffix(" EV");
@@ -24,7 +27,9 @@ pub fn ui(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Ca
         exposure.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, format!("Exposure, {title}")));
         exposure.on_hover_text("Exposure in stops: E brighter, Shift+E darker");
         scale(ui, view, session);
-        map(ui, &mut view.look, &title);
+        if is_wide {
+            map(ui, &mut view.look, &title);
+        }
         compare(ui, view, session);
         let (document, drawn) = (session.document(), view.drawn());
         let Session { results, jobs, .. } = session;

@@ -36,6 +36,16 @@ pub fn fine(visuals: &Visuals) -> Color32 {
     by_theme(visuals, Color32::from_rgb(96, 200, 120), Color32::from_rgb(16, 110, 44))
 }
 
+/// The colours of before and after: of text, where those of surfaces would be too faint.
+pub fn before(visuals: &Visuals) -> Color32 {
+    by_theme(visuals, Color32::from_rgb(236, 172, 72), Color32::from_rgb(138, 82, 0))
+}
+
+/// See [`before`].
+pub fn after(visuals: &Visuals) -> Color32 {
+    by_theme(visuals, Color32::from_rgb(84, 204, 196), Color32::from_rgb(0, 102, 98))
+}
+
 /// The button of what a panel is for: one a panel.
 pub fn primary<'a>(visuals: &Visuals, text: impl Into<String>) -> Button<'a> {
     let text = RichText::new(text).strong().color(visuals.selection.stroke.color);
@@ -74,7 +84,7 @@ mod tests {
             let panel = visuals.panel_fill;
             let on_panel = panel.blend(visuals.weak_text_color());
             for colour in
-                [visuals.warn_fg_color, visuals.error_fg_color, visuals.hyperlink_color, fine(visuals), on_panel]
+                [visuals.warn_fg_color, visuals.error_fg_color, visuals.hyperlink_color, fine(visuals), on_panel, before(visuals), after(visuals)]
             {
                 assert!(contrast(colour, panel) >= 4.5, "{theme:?} {colour:?}: {:.2}", contrast(colour, panel));
             }

@@ -309,6 +309,7 @@ impl App for Window {
         strip::ui(ui, &mut self.session, &mut self.chrome.shows.log);
         let mut by_start = None;
         if self.session.is_open() {
+            self.panels.captures.update(&mut self.session);
             self.workplace(ui);
         } else {
             let chosen = CentralPanel::default_margins().show(ui, |ui| self.start.ui(ui, &mut self.session)).inner;

@@ -1,16 +1,21 @@
 //! The lights on the dome over the object, as the camera sees it: the middle is straight above, the rim is the horizon.
 
-use eframe::egui::{Align2, Color32, FontId, Pos2, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+use eframe::egui::{Align2, Color32, FontId, Label, Pos2, RichText, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 use firstbounce_capture::pipeline::Calibrated;
 use firstbounce_capture::set::CaptureSet;
 
-const SIDE: f32 = 220.0;
+/// The smallest and the largest, in points.
+const SIDES: (f32, f32) = (120.0, 420.0);
+/// Below it, in points.
+const TEXT: f32 = 44.0;
 const LAMP: Color32 = Color32::from_rgb(255, 196, 60);
 
 pub fn ui(ui: &mut Ui, set: &CaptureSet, in_force: &Calibrated) {
-    let (response, painter) = ui.allocate_painter(vec2(SIDE, SIDE), Sense::hover());
+    let space = ui.available_size();
+    let side = space.x.min(space.y - TEXT).clamp(SIDES.0, SIDES.1);
+    let (response, painter) = ui.allocate_painter(vec2(space.x.max(side), side), Sense::hover());
     let centre = response.rect.center();
-    let radius = SIDE / 2.0 - 14.0;
+    let radius = side / 2.0 - 14.0;
     let line = ui.visuals().widgets.noninteractive.bg_stroke;
     for elevation_deg in [0.0_f32, 30.0, 60.0] {
         painter.circle_stroke(centre, radius * elevation_deg.to_radians().cos(), line);
@@ -31,8 +36,7 @@ pub fn ui(ui: &mut Ui, set: &CaptureSet, in_force: &Calibrated) {
     }
     let value = words.join(", ");
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Lights on a dome. {value}")));
-    words.iter().for_each(|line| {
-        ui.label(line);
-    });
-    ui.label("Seen from the camera: right is right, up is up, rings are 30 and 60 degrees above the horizon.");
+    response.on_hover_text(words.join("\n"));
+    let note = "As the camera sees them; rings are 30 and 60 degrees above the horizon";
+    ui.add(Label::new(RichText::new(note).small().weak()).truncate());
 }

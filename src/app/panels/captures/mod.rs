@@ -9,6 +9,7 @@ mod questions;
 mod scale;
 mod shot;
 mod table;
+mod watching;
 
 use std::path::PathBuf;
 
@@ -41,6 +42,7 @@ pub struct Captures {
     camera: camera::CameraPart,
     mask: mask::MaskPart,
     selected: Option<ShotName>,
+    watching: watching::Watching,
 }
 
 /// A search that the user stopped.
@@ -64,6 +66,7 @@ impl Panel for Captures {
             part(ui, "problems", |ui| problems(ui, session));
         }
         part(ui, "add", |ui| self.add_files(ui, session));
+        part(ui, "watch", |ui| self.watching.ui(ui, session));
         if document.set.shots.is_empty() {
             if self.incoming.is_some() || !self.searches.is_empty() {
                 return;
@@ -98,6 +101,14 @@ impl Panel for Captures {
 }
 
 impl Captures {
+    /// Takes photos that arrived in the folder that is watched. Once a frame.
+    pub fn update(&mut self, session: &mut Session) {
+        let open = self.watching.update(session);
+        if !open.is_empty() {
+            self.put(Incoming::new(open));
+        }
+    }
+
     /// Every photo of the set, in a tile of its own.
     pub fn photos(&mut self, ui: &mut Ui, session: &mut Session) {
         self.table.ui(ui, session, &mut self.selected);
@@ -142,9 +153,13 @@ impl Captures {
             let more = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
             session.warn(format!("{}{more}: left out, {read}", first.display()));
         }
+        self.put(found.pictures);
+    }
+
+    fn put(&mut self, pictures: Incoming) {
         match &mut self.incoming {
-            Some(incoming) => incoming.take_more(found.pictures),
-            None => self.incoming = Some(found.pictures),
+            Some(incoming) => incoming.take_more(pictures),
+            None => self.incoming = Some(pictures),
         }
     }
 

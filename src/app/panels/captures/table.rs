@@ -132,11 +132,11 @@ impl Table {
         }
         let response = ui.add(button);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, format!("Select {title}")));
-        if response.on_hover_text(shot.files.join("\n")).clicked() {
+        let exposed = seen.and_then(|(_, exposed, _)| *exposed);
+        if response.on_hover_text(details(shot, exposed)).clicked() {
             *selected = Some(name.clone());
             session.views.show(Shown::Photo(name.clone()));
         }
-        let exposed = seen.and_then(|(_, exposed, _)| *exposed);
         let exposure = loaded.as_ref().and_then(|loaded| Some(loaded.shot(name)?.exposure));
         numbers(ui, shot, exposure, exposed);
         for line in wrong {
@@ -167,22 +167,37 @@ impl Table {
     }
 }
 
-/// Clipped, dark, mean, exposure, repeats.
-fn numbers(ui: &mut Ui, shot: &Shot, exposure: Option<f64>, exposed: Option<Exposed>) {
-    let small = |text: String| RichText::new(text).small();
-    if let Some(Exposed { clipped, dark, mean, .. }) = exposed {
-        let bad = |bad: bool| if bad { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
-        let (too_bright, too_dark) = (bad(clipped > TOO_MUCH_CLIPPED), bad(dark > TOO_MUCH_DARK));
-        ui.label(small(format!("clipped {:.1} %", 100.0 * clipped)).color(too_bright));
-        ui.label(small(format!("dark {:.1} %", 100.0 * dark)).color(too_dark));
-        ui.label(small(format!("mean {mean:.4}"))).on_hover_text("Linear light; 1 is the white level at exposure 1");
+/// The files of a photo and how it is exposed.
+fn details(shot: &Shot, exposed: Option<Exposed>) -> String {
+    let files = shot.files.join("\n");
+    match exposed {
+        Some(Exposed { clipped, dark, mean, .. }) => format!(
+            "{files}\nclipped {:.1} %, dark {:.1} %, mean light {mean:.4} of the white level",
+            100.0 * clipped,
+            100.0 * dark
+        ),
+        None => files,
     }
-    let files = match shot.files.len() {
-        1 => "1 file".to_owned(),
-        count => format!("{count} files"),
-    };
+}
+
+/// What is out of the ordinary: clipped, dark, another exposure, repeats.
+fn numbers(ui: &mut Ui, shot: &Shot, exposure: Option<f64>, exposed: Option<Exposed>) {
+    let warn = ui.visuals().warn_fg_color;
+    let small = |text: String| RichText::new(text).small();
+    if let Some(Exposed { clipped, dark, .. }) = exposed {
+        for (what, share, most) in [("clipped", clipped, TOO_MUCH_CLIPPED), ("dark", dark, TOO_MUCH_DARK)] {
+            if share > most {
+                ui.label(small(format!("{what} {:.1} %", 100.0 * share)).color(warn));
+            }
+        }
+    }
     let exposure = exposure.or(shot.exposure).unwrap_or(1.0);
-    ui.label(small(format!("exposure {exposure}, {files}")));
+    if exposure != 1.0 {
+        ui.label(small(format!("exposure {exposure}")));
+    }
+    if shot.files.len() > 1 {
+        ui.label(small(format!("{} files", shot.files.len())));
+    }
 }
 
 /// The user stopped the look at the photos.

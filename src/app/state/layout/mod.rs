@@ -330,8 +330,10 @@ impl Views {
 
     /// Shows this in a tab of its own, or brings the view that shows it to the front.
     pub fn open(&mut self, shown: Shown) {
-        let there = panes(&self.tree.tiles).find(|view| view.shown == shown).map(|view| view.id);
-        match there {
+        let shows = |id: &u64| panes(&self.tree.tiles).any(|view| view.id == *id && view.shown == shown);
+        // Of several the last: beside the surface before that is the one after.
+        let there = panes(&self.tree.tiles).filter(|view| view.shown == shown).map(|view| view.id).max();
+        match self.active.filter(shows).or(there) {
             Some(there) => self.bring_to_front(there),
             None => {
                 let Some(active) = self.active else { return };

@@ -150,7 +150,7 @@ impl Shown {
         }
     }
 
-    /// The same of another light, colour or bounce, where it is of one.
+    /// The same of another light, where it is of one.
     pub fn with_light(&self, name: &str) -> Self {
         let mut other = self.clone();
         match &mut other {
@@ -165,6 +165,26 @@ impl Shown {
             Self::Difference(a, b) => (*a, *b) = (Box::new(a.with_light(name)), Box::new(b.with_light(name))),
             Self::Plain(picture) => picture.put_light(name),
             Self::Normals(_) | Self::Surface | Self::Pane(_) => {}
+        }
+        other
+    }
+
+    /// The colour that it is of.
+    pub fn colour(&self) -> Option<&str> {
+        match self {
+            Self::Photo(shot) => shot.colour.as_deref(),
+            Self::Plain(picture) => picture.colour(),
+            _ => None,
+        }
+    }
+
+    /// The same in another colour, where it is of one.
+    pub fn with_colour(&self, name: &str) -> Self {
+        let mut other = self.clone();
+        match &mut other {
+            Self::Photo(ShotName { colour: Some(colour), .. }) => *colour = name.into(),
+            Self::Plain(picture) => picture.put_colour(name),
+            _ => {}
         }
         other
     }

@@ -149,6 +149,12 @@ impl Results {
         &self.pictures
     }
 
+    /// Reads those files again that have changed.
+    pub fn look_again(&mut self) {
+        self.reloads += 1;
+        self.keys.take();
+    }
+
     /// Reads every file again.
     pub fn reload(&mut self) {
         self.reloads += 1;

@@ -213,12 +213,23 @@ impl SurfaceLook {
         }
     }
 
-    /// Shows one surface and no other.
+    /// Shows one surface and no other, and the scan where there is one.
     pub fn show_only(&mut self, only: LayerName) {
         for name in LayerName::all() {
-            self.layer_mut(name).visible = name == only;
+            self.layer_mut(name).visible = name == only || name == LayerName::Reference;
         }
         self.colours = LayerColours::Always;
+    }
+
+    /// What is seen, in a few words.
+    pub fn title(&self) -> String {
+        let seen: Vec<_> = LayerName::all().filter(|name| self.layer(*name).visible).map(LayerName::title).collect();
+        match seen.as_slice() {
+            [] => "Surface in 3D".into(),
+            // A scan is drawn where there is one.
+            [one] | [one, "Reference"] => format!("{one}, 3D"),
+            several => format!("{}, 3D", several.join(" and ").to_lowercase()),
+        }
     }
 
     /// The eye in force for what is in the bounds.

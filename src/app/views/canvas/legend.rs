@@ -6,6 +6,9 @@ use super::overlay::short_number;
 use crate::gpu::{Display, Kind, Source, colour_of_value};
 
 const BAR: (f32, f32) = (170.0, 10.0);
+/// Of a legend without words, on a canvas that is narrower than [`SMALL`].
+const SMALL_BAR: (f32, f32) = (80.0, 8.0);
+const SMALL: f32 = 340.0;
 const MARGIN: f32 = 8.0;
 const LINE: f32 = 15.0;
 const STEPS: usize = 64;
@@ -23,21 +26,27 @@ pub fn text(display: &Display, quantity: &str) -> String {
 
 /// The quantity, the colour map and the values at its ends and in its middle, in a corner of the canvas.
 pub fn paint(painter: &Painter, canvas: Rect, corner: Align2, display: &Display, quantity: &str) {
-    let (width, height) = BAR;
-    let size = vec2(width + 2.0 * MARGIN, height + 2.0 * LINE + MARGIN);
+    let is_small = canvas.width() < SMALL;
+    let (width, height) = if is_small { SMALL_BAR } else { BAR };
+    let above = if is_small { MARGIN / 2.0 } else { LINE + 2.0 };
+    let size = vec2(width + 2.0 * MARGIN, height + above + LINE + MARGIN / 2.0);
     let frame = corner.align_size_within_rect(size, canvas.shrink(MARGIN));
     // Its own dark plate: legible on any picture, in either theme.
     painter.rect(frame, 4.0, Color32::from_black_alpha(235), (1.0, Color32::from_gray(96)), StrokeKind::Inside);
     let write = |at: Pos2, align: Align2, text: &str| {
         painter.text(at, align, text, FontId::proportional(11.0), Color32::from_gray(235));
     };
-    let bar = Rect::from_min_size(frame.min + vec2(MARGIN, LINE + 2.0), vec2(width, height));
-    write(bar.left_top() - vec2(0.0, 1.0), Align2::LEFT_BOTTOM, quantity);
+    let bar = Rect::from_min_size(frame.min + vec2(MARGIN, above), vec2(width, height));
+    if !is_small {
+        write(bar.left_top() - vec2(0.0, 1.0), Align2::LEFT_BOTTOM, quantity);
+    }
     painter.add(Shape::mesh(bar_mesh(bar, display)));
     let [low, high] = display.legend_range();
     let below = bar.bottom() + 1.0;
     write(pos2(bar.left(), below), Align2::LEFT_TOP, &tick(low));
-    write(pos2(bar.center().x, below), Align2::CENTER_TOP, &tick(0.5 * (low + high)));
+    if !is_small {
+        write(pos2(bar.center().x, below), Align2::CENTER_TOP, &tick(0.5 * (low + high)));
+    }
     write(pos2(bar.right(), below), Align2::RIGHT_TOP, &tick(high));
 }
 

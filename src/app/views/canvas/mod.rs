@@ -35,7 +35,7 @@ pub use view::{MAX_SCALE, Transform, View};
 
 /// Shows the other picture for as long as it is held.
 const HOLD_KEY: Key = Key::B;
-const KEYS: &str = "Arrow keys move the picture, plus and minus zoom, 0 fits, 1 shows it one to one. Shift and arrow keys move \
+const KEYS: &str = "Arrow keys move the picture, plus and minus zoom, F fits, 0 shows it one to one. Shift and arrow keys move \
                     the pixel cursor, Enter clicks there.";
 
 /// How two pictures are compared.

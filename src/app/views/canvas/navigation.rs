@@ -21,11 +21,8 @@ pub enum PrimaryDrag {
     Caller,
 }
 
-/// The view after what the user did in this frame; double click fits.
+/// The view after what the user did in this frame.
 pub fn navigate(ui: &Ui, response: &Response, transform: &Transform, view: View, primary: PrimaryDrag) -> View {
-    if response.double_clicked() && primary == PrimaryDrag::Pan {
-        return View::Fit;
-    }
     if response.dragged_by(PointerButton::Middle)
         || (primary == PrimaryDrag::Pan && response.dragged_by(PointerButton::Primary))
     {
@@ -60,12 +57,6 @@ fn by_keys(input: &InputState, transform: &Transform) -> Option<View> {
     }
     let pressed = |key| input.key_pressed(key);
     let middle = transform.rect.center();
-    if pressed(Key::Num0) {
-        return Some(View::Fit);
-    }
-    if pressed(Key::Num1) {
-        return Some(transform.one_to_one());
-    }
     if pressed(Key::Plus) || pressed(Key::Equals) {
         return Some(transform.zoomed(KEY_ZOOM, middle));
     }

@@ -96,7 +96,6 @@ pub fn show(
     let touched = |at| hit(&seen, &before, at);
     match navigate(ui, &response, (&camera, &before, &bounds), &|at| touched(at).map(|picked| picked.point)) {
         Moved::No => {}
-        Moved::Fit => look.camera = None,
         Moved::To(camera) => look.camera = Some(camera),
     }
     turn(ui, look, &bounds, state.aspect);

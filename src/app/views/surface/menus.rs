@@ -21,16 +21,32 @@ fn lasting_menu(ui: &mut Ui, title: impl Into<String>, contents: impl FnOnce(&mu
 }
 
 /// Shading, layers and tools.
-pub fn toolbar(ui: &mut Ui, look: &mut SurfaceLook, state: &mut ViewState, document: &Document, session: &Session) {
-    let title = match look.shade {
+pub fn toolbar(
+    ui: &mut Ui,
+    look: &mut SurfaceLook,
+    state: &mut ViewState,
+    document: &Document,
+    session: &Session,
+    is_wide: bool,
+) {
+    let shade = match look.shade {
         Shade::Lamp => match super::scene::lamp(look, document, &session.results) {
-            Some((name, _)) => format!("Shading: lit by {name}"),
-            None => "Shading: lit by a lamp".into(),
+            Some((name, _)) => format!("lit by {name}"),
+            None => "lit by a lamp".into(),
         },
-        shade => format!("Shading: {}", shade.name()),
+        shade => shade.name().into(),
     };
+    let title = if is_wide { format!("Shading: {shade}") } else { "Shading".into() };
     lasting_menu(ui, title, |ui| shading(ui, look, document));
     lasting_menu(ui, "Layers", |ui| layers(ui, look, document, session));
+    if is_wide {
+        tools(ui, state);
+    } else {
+        lasting_menu(ui, "Measure", |ui| tools(ui, state));
+    }
+}
+
+fn tools(ui: &mut Ui, state: &mut ViewState) {
     for (tool, name, hover) in [
         (Tool::Point, "Point", "Click to read a position"),
         (Tool::Distance, "Distance", "Click two points to measure the distance between them"),
@@ -104,7 +120,7 @@ fn layers(ui: &mut Ui, look: &mut SurfaceLook, document: &Document, session: &Se
         ui.radio_value(&mut look.colours, colours, name);
     }
     let own = SurfaceLook::default();
-    if ui.button("The paper's colours").on_hover_text("Direct light green, before cyan, reference red").clicked() {
+    if ui.button("The default colours").on_hover_text("After teal, before amber, reference grey").clicked() {
         for name in LayerName::all() {
             look.layer_mut(name).colour = own.layer(name).colour;
         }

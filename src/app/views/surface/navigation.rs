@@ -16,15 +16,13 @@ const KEY_ZOOM: f64 = 0.8;
 /// Points of wheel travel that take the eye e times nearer.
 const WHEEL_TRAVEL: f32 = 240.0;
 /// The keys, for those who cannot see them in use.
-pub const KEYS: &str = "Arrow keys turn the object, with Shift they move it, plus and minus go nearer and farther, 0 shows all \
+pub const KEYS: &str = "Arrow keys turn the object, with Shift they move it, plus and minus go nearer and farther, F shows all \
                         of it. Enter picks the point in the middle. Holding B shows the surface before instead.";
 
 /// What the eye does after what the user did in this frame.
 pub enum Moved {
     /// Nothing.
     No,
-    /// Everything in sight again.
-    Fit,
     /// To here.
     To(Camera),
 }
@@ -85,9 +83,6 @@ fn by_keys(input: &InputState, camera: &Camera, bounds: &Bounds) -> Moved {
         return Moved::No;
     }
     let pressed = |key| input.key_pressed(key);
-    if pressed(Key::Num0) {
-        return Moved::Fit;
-    }
     if pressed(Key::Plus) || pressed(Key::Equals) {
         return Moved::To(camera.dollied(KEY_ZOOM, &camera.target(), bounds));
     }

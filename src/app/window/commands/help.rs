@@ -8,9 +8,9 @@ use super::{COMMANDS, Menu};
 const BY_HAND: [(&str, &str); 8] = [
     ("Wheel, or plus and minus", "Zoom at the pointer"),
     ("Drag, or arrow keys", "Move the picture"),
-    ("0 and 1", "Fit the picture; one to one"),
     ("Shift and arrow keys", "Move the pixel cursor; Enter clicks there"),
-    ("Hold B", "Show the picture that a view is compared with"),
+    ("Hold B", "Show the picture that a view is compared with, or the surface before"),
+    ("Double click on a picture", "Only this view, or all"),
     ("Tab, Shift+Tab", "To the next or the last control"),
     ("Space, Enter", "Press the control"),
     ("Drop files on the window", "Open a set, or add photos to the open one"),

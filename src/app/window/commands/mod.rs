@@ -3,10 +3,11 @@
 mod help;
 mod menu;
 mod palette;
+mod pictures;
 
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
 
-use crate::app::state::layout::{Arrange, Shown};
+use crate::app::state::layout::{Arrange, Compare, Shown};
 use crate::app::state::panel::PanelName;
 use crate::app::state::preferences::Theme;
 use crate::app::state::session::{Open, Session};
@@ -58,6 +59,21 @@ pub enum CommandId {
     FitViews,
     ViewsOneToOne,
     ShowSurface,
+    PreviousPicture,
+    NextPicture,
+    NextLight,
+    NextBounce,
+    NextColour,
+    Brighter,
+    Darker,
+    Normalise,
+    Wipe,
+    Difference,
+    Maximise,
+    OneView,
+    TwoViews,
+    FourViews,
+    ResetLayout,
     FrontView,
     BackView,
     LeftView,
@@ -95,13 +111,14 @@ pub enum Menu {
     File,
     Edit,
     Steps,
+    Picture,
     View,
     Help,
 }
 
 impl Menu {
     /// All menus, in order.
-    pub const ALL: [Self; 5] = [Self::File, Self::Edit, Self::Steps, Self::View, Self::Help];
+    pub const ALL: [Self; 6] = [Self::File, Self::Edit, Self::Steps, Self::Picture, Self::View, Self::Help];
 
     /// What it is called.
     pub fn title(self) -> &'static str {
@@ -109,6 +126,7 @@ impl Menu {
             Self::File => "File",
             Self::Edit => "Edit",
             Self::Steps => "Steps",
+            Self::Picture => "Picture",
             Self::View => "View",
             Self::Help => "Help",
         }
@@ -149,6 +167,10 @@ const fn ctrl(key: Key) -> Option<KeyboardShortcut> {
 
 const fn ctrl_shift(key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key))
+}
+
+const fn shift(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::SHIFT, key))
 }
 
 const fn alone(key: Key) -> Option<KeyboardShortcut> {
@@ -228,17 +250,17 @@ pub static COMMANDS: &[Command] = &[
         enabled: |session| session.editor.redo_name().is_some(),
         run: |target| target.session.editor.redo(),
     },
-    plain(CommandId::ShowCaptures, Menu::Steps, "Captures", ctrl(Key::Num1), open, |t| {
+    plain(CommandId::ShowCaptures, Menu::Steps, "Captures", alone(Key::Num1), open, |t| {
         t.session.panel = PanelName::Captures
     }),
-    plain(CommandId::ShowCalibrate, Menu::Steps, "Calibrate", ctrl(Key::Num2), open, |t| {
+    plain(CommandId::ShowCalibrate, Menu::Steps, "Calibrate", alone(Key::Num2), open, |t| {
         t.session.panel = PanelName::Calibrate;
     }),
-    plain(CommandId::ShowSeparate, Menu::Steps, "Separate", ctrl(Key::Num3), open, |t| {
+    plain(CommandId::ShowSeparate, Menu::Steps, "Separate", alone(Key::Num3), open, |t| {
         t.session.panel = PanelName::Separate
     }),
-    plain(CommandId::ShowShape, Menu::Steps, "Shape", ctrl(Key::Num4), open, |t| t.session.panel = PanelName::Shape),
-    plain(CommandId::ShowExport, Menu::Steps, "Export", ctrl(Key::Num5), open, |t| t.session.panel = PanelName::Export),
+    plain(CommandId::ShowShape, Menu::Steps, "Shape", alone(Key::Num4), open, |t| t.session.panel = PanelName::Shape),
+    plain(CommandId::ShowExport, Menu::Steps, "Export", alone(Key::Num5), open, |t| t.session.panel = PanelName::Export),
     plain(CommandId::CancelJobs, Menu::Steps, "Cancel all jobs", None, always, |target| {
         target.session.jobs.running().iter().for_each(|job| job.cancel());
     }),
@@ -248,7 +270,7 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::SplitRight, Menu::View, "Split view right", ctrl(Key::Backslash), open, |t| {
         t.session.views.arrange_active(Arrange::SplitRight);
     }),
-    plain(CommandId::SplitDown, Menu::View, "Split view down", ctrl_shift(Key::Backslash), open, |t| {
+    plain(CommandId::SplitDown, Menu::View, "Split view down", alt(Key::Backslash), open, |t| {
         t.session.views.arrange_active(Arrange::SplitDown);
     }),
     plain(CommandId::NewTab, Menu::View, "New tab", ctrl(Key::T), open, |t| {
@@ -258,25 +280,55 @@ pub static COMMANDS: &[Command] = &[
         t.session.views.arrange_active(Arrange::Close)
     }),
     plain(CommandId::NextView, Menu::View, "Next view", alone(Key::F6), open, |t| t.session.views.activate_next()),
-    plain(CommandId::FitViews, Menu::View, "Fit pictures to their views", ctrl(Key::Num0), open, |t| {
+    plain(CommandId::FitViews, Menu::View, "Fit pictures to their views", alone(Key::F), open, |t| {
         t.session.views.fit_surfaces();
         t.canvases.fit();
     }),
-    plain(CommandId::ViewsOneToOne, Menu::View, "Show pictures 1:1", alt(Key::Num0), open, |t| {
+    plain(CommandId::ViewsOneToOne, Menu::View, "Show pictures 1:1", alone(Key::Num0), open, |t| {
         t.canvases.one_to_one();
     }),
-    plain(CommandId::ShowSurface, Menu::View, "Surface in 3D", alone(Key::F7), open, |t| {
+    plain(CommandId::ShowSurface, Menu::View, "Surface in 3D", alone(Key::T), open, |t| {
         t.session.views.open(Shown::Surface)
     }),
-    plain(CommandId::FrontView, Menu::View, "Front view", alt(Key::Num1), in_3d, |t| look_from(t, StandardView::Front)),
-    plain(CommandId::BackView, Menu::View, "Back view", alt(Key::Num2), in_3d, |t| look_from(t, StandardView::Back)),
-    plain(CommandId::LeftView, Menu::View, "Left view", alt(Key::Num3), in_3d, |t| look_from(t, StandardView::Left)),
-    plain(CommandId::RightView, Menu::View, "Right view", alt(Key::Num4), in_3d, |t| look_from(t, StandardView::Right)),
-    plain(CommandId::TopView, Menu::View, "Top view", alt(Key::Num5), in_3d, |t| look_from(t, StandardView::Top)),
-    plain(CommandId::BottomView, Menu::View, "Bottom view", alt(Key::Num6), in_3d, |t| {
+    plain(CommandId::PreviousPicture, Menu::Picture, "Previous picture", alone(Key::OpenBracket), open, |t| {
+        pictures::in_group(t, false);
+    }),
+    plain(CommandId::NextPicture, Menu::Picture, "Next picture", alone(Key::CloseBracket), open, |t| {
+        pictures::in_group(t, true);
+    }),
+    plain(CommandId::NextLight, Menu::Picture, "Next light", alone(Key::L), open, pictures::next_light),
+    plain(CommandId::NextBounce, Menu::Picture, "Next bounce", alone(Key::K), open, pictures::next_bounce),
+    plain(CommandId::NextColour, Menu::Picture, "Next colour", alone(Key::C), open, pictures::next_colour),
+    plain(CommandId::Brighter, Menu::Picture, "Brighter", alone(Key::E), open, |t| pictures::expose(t, 1.0)),
+    plain(CommandId::Darker, Menu::Picture, "Darker", shift(Key::E), open, |t| pictures::expose(t, -1.0)),
+    plain(CommandId::Normalise, Menu::Picture, "Own range or shared scale", alone(Key::N), open, pictures::normalise),
+    plain(CommandId::Wipe, Menu::Picture, "Compare by a wipe", alone(Key::W), open, |t| {
+        pictures::compare(t, Compare::Wipe);
+    }),
+    plain(CommandId::Difference, Menu::Picture, "Compare by the difference", alone(Key::D), open, |t| {
+        pictures::compare(t, Compare::Difference);
+    }),
+    plain(CommandId::Maximise, Menu::View, "Only this view, or all", alone(Key::X), open, |t| {
+        if let Some(active) = t.session.views.active_id() {
+            t.session.views.maximise(active);
+        }
+    }),
+    plain(CommandId::OneView, Menu::View, "One view", alt(Key::Num1), open, |t| t.session.views.preset(1)),
+    plain(CommandId::TwoViews, Menu::View, "Two views side by side", alt(Key::Num2), open, |t| t.session.views.preset(2)),
+    plain(CommandId::FourViews, Menu::View, "Four views", alt(Key::Num4), open, |t| t.session.views.preset(4)),
+    plain(CommandId::ResetLayout, Menu::View, "Reset layout", None, open, |t| {
+        let document = t.session.document();
+        t.session.views.reset(&document);
+    }),
+    plain(CommandId::FrontView, Menu::View, "Front view", None, in_3d, |t| look_from(t, StandardView::Front)),
+    plain(CommandId::BackView, Menu::View, "Back view", None, in_3d, |t| look_from(t, StandardView::Back)),
+    plain(CommandId::LeftView, Menu::View, "Left view", None, in_3d, |t| look_from(t, StandardView::Left)),
+    plain(CommandId::RightView, Menu::View, "Right view", None, in_3d, |t| look_from(t, StandardView::Right)),
+    plain(CommandId::TopView, Menu::View, "Top view", None, in_3d, |t| look_from(t, StandardView::Top)),
+    plain(CommandId::BottomView, Menu::View, "Bottom view", None, in_3d, |t| {
         look_from(t, StandardView::Bottom)
     }),
-    plain(CommandId::CornerView, Menu::View, "Corner view", alt(Key::Num7), in_3d, |t| {
+    plain(CommandId::CornerView, Menu::View, "Corner view", None, in_3d, |t| {
         look_from(t, StandardView::Corner)
     }),
     plain(CommandId::Turntable, Menu::View, "Toggle turntable", alt(Key::T), in_3d, |t| {
@@ -301,7 +353,7 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::ThemeSystem, Menu::View, "System colours", None, always, |t| theme(t, Theme::System)),
     plain(CommandId::ThemeDark, Menu::View, "Dark colours", None, always, |t| theme(t, Theme::Dark)),
     plain(CommandId::ThemeLight, Menu::View, "Light colours", None, always, |t| theme(t, Theme::Light)),
-    plain(CommandId::Palette, Menu::Help, "Find a command...", ctrl_shift(Key::P), always, |t| t.chrome.palette.open()),
+    plain(CommandId::Palette, Menu::Help, "Find a command...", ctrl(Key::P), always, |t| t.chrome.palette.open()),
     plain(CommandId::Help, Menu::Help, "Keys and commands", alone(Key::F1), always, |t| t.chrome.help.toggle()),
     plain(CommandId::FrameTimes, Menu::Help, "Frame times", ctrl_shift(Key::D), always, |t| {
         t.chrome.frame_times.toggle()
@@ -333,13 +385,20 @@ pub fn run(id: CommandId, target: Target<'_>) {
 /// The command whose keys were pressed in this frame. Keys with more modifiers are looked at first: Ctrl+Shift+Z is not
 /// Ctrl+Z.
 pub fn pressed(context: &Context) -> Option<CommandId> {
-    // A field that is being typed in keeps its own undo.
+    // A field that is being typed in keeps its letters and its own undo.
     let typing = context.text_edit_focused();
-    let own = |id: CommandId| matches!(id, CommandId::Undo | CommandId::Redo);
+    let own = |shortcut: &KeyboardShortcut, id: CommandId| {
+        let is_letter = !shortcut.modifiers.command && !shortcut.modifiers.alt && !is_function_key(shortcut.logical_key);
+        is_letter || matches!(id, CommandId::Undo | CommandId::Redo)
+    };
     let mut keys: Vec<_> = COMMANDS.iter().filter_map(|command| Some((command.shortcut?, command.id))).collect();
     keys.sort_by_key(|(shortcut, _)| std::cmp::Reverse(shortcut.modifiers.shift));
-    let mut candidates = keys.into_iter().filter(|(_, id)| !(typing && own(*id)));
+    let mut candidates = keys.into_iter().filter(|(shortcut, id)| !(typing && own(shortcut, *id)));
     context.input_mut(|input| candidates.find(|(shortcut, _)| input.consume_shortcut(shortcut)).map(|(_, id)| id))
+}
+
+fn is_function_key(key: Key) -> bool {
+    (Key::F1..=Key::F35).contains(&key)
 }
 
 fn surface(target: Target<'_>, change: impl FnOnce(&mut SurfaceLook)) {

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use super::super::model::CaptureSet;
 use super::super::subject::{Naming, Subject};
-use super::super::word::Word;
 use super::doubt::Doubt;
 use super::order::order_taken;
 use super::pattern::Pattern;

@@ -177,6 +177,29 @@ pub struct PlainPicture {
 }
 
 impl PlainPicture {
+    /// The surface it is of.
+    pub fn surface(&self) -> Option<SurfaceName> {
+        match &self.of {
+            Of::Surface(name) => Some(*name),
+            Of::Light { .. } => None,
+        }
+    }
+
+    /// The colour it is of, where there is one picture for each.
+    pub fn colour(&self) -> Option<&str> {
+        match &self.of {
+            Of::Light { colour, .. } => colour.as_deref(),
+            Of::Surface(_) => None,
+        }
+    }
+
+    /// Makes it that of another colour, where there is one picture for each.
+    pub fn put_colour(&mut self, name: &str) {
+        if let Of::Light { colour: Some(colour), .. } = &mut self.of {
+            *colour = name.into();
+        }
+    }
+
     /// Makes it that of another light, where it is of one.
     pub fn put_light(&mut self, name: &str) {
         if let Of::Light { light, .. } = &mut self.of {
