@@ -29,8 +29,8 @@ mod tests;
 pub use crate::atomic::FILE_NAME;
 pub use consistency::{MAX_COLOURS, MAX_LIGHTS};
 pub use guess::{
-    Became, Doubt, Guess, GuessOptions, Pattern, PatternError, Place, TakenOrder, add_files, assign, is_mask_name,
-    named_subjects, order_taken, plan, propose, put,
+    ArrivalOptions, Arrivals, Became, Doubt, Guess, GuessOptions, Pattern, PatternError, Place, Sequence, TakenFor,
+    TakenOrder, add_files, assign, is_mask_name, named_subjects, order_taken, plan, propose, put, take_arrivals,
 };
 pub use method::Method;
 pub use model::*;

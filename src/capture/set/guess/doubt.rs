@@ -38,6 +38,22 @@ pub enum Doubt {
         /// As the names write them.
         exposures: Vec<String>,
     },
+    /// No pattern explains the names.
+    NoNames,
+    /// The set has a mask already.
+    SecondMask {
+        /// As the capture file writes it.
+        mask: String,
+    },
+    /// An order has no place left.
+    OrderIsFull,
+}
+
+impl Doubt {
+    /// Whether the name alone says too little, and contradicts nothing: the order may say the rest.
+    pub fn is_of_silent_name(&self) -> bool {
+        matches!(self, Self::NoPattern { .. } | Self::NoLight(_) | Self::NoColour(_) | Self::NoNames)
+    }
 }
 
 impl fmt::Display for Doubt {
@@ -61,6 +77,13 @@ impl fmt::Display for Doubt {
                 "one photo at several exposures ({}), which are no repeats: assign one of them",
                 exposures.join(", ")
             ),
+            Self::NoNames => {
+                f.write_str("its name does not say what it shows: name light and colour, or give the order")
+            }
+            Self::SecondMask { mask } => write!(f, "named as a mask, and {mask} is the mask; take one away"),
+            Self::OrderIsFull => {
+                f.write_str("every place of the order has its photo; take it away, or name what it shows")
+            }
         }
     }
 }

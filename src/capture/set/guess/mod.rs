@@ -1,5 +1,6 @@
 //! Subject, light and colour from the names of files, by a pattern that the user can see and change.
 
+mod arrivals;
 mod doubt;
 mod exposure;
 mod name;
@@ -14,6 +15,7 @@ mod words;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+pub use arrivals::{ArrivalOptions, Arrivals, Sequence, TakenFor, take_arrivals};
 pub use doubt::Doubt;
 pub use order::{TakenOrder, order_taken};
 pub use pattern::{Guess, Pattern, PatternError};

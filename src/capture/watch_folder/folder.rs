@@ -1,4 +1,4 @@
-//! A folder that photos arrive in, from a tethered camera or a share: reports each picture once it rests.
+//! Pictures that rest in a watched folder.
 //!
 //! The system's events (crate notify) wake it at once. Shares often send none, so the folder is also looked through now and then.
 
@@ -63,6 +63,8 @@ pub struct WatchFolder {
     options: WatchFolderOptions,
     /// Kept, for it stops when it is dropped; `None` where the system cannot watch.
     _watcher: Option<RecommendedWatcher>,
+    /// Why there is none.
+    unwatched: Option<String>,
     events: Receiver<Event>,
     looked: Option<Instant>,
     /// As they were reported.
@@ -90,15 +92,22 @@ impl WatchFolder {
             watcher.watch(folder, RecursiveMode::Recursive)?;
             Ok(watcher)
         });
+        let unwatched = watcher.as_ref().err().map(ToString::to_string);
         Ok(Self {
             folder: folder.to_owned(),
             options,
             _watcher: watcher.ok(),
+            unwatched,
             events,
             looked: None,
             reported: HashMap::new(),
             changing: HashMap::new(),
         })
+    }
+
+    /// Why the system does not report changes, so that the folder is only looked through; `None` where it does.
+    pub fn polled_because(&self) -> Option<&str> {
+        self.unwatched.as_deref()
     }
 
     /// Pictures that arrived or changed since they were reported and are at rest now; waits for them, but no longer than `patience`.
