@@ -115,7 +115,7 @@ fn captures_state(session: &Session) -> StepState {
         (Some(line), more) => StepState::Failed { line: format!("{line} (and {more} more)") },
         (None, _) => match session.problems().first() {
             Some(problem) => StepState::Incomplete { line: problem.to_string() },
-            None if loaded.is_some_and(|loaded| !loaded.warnings.is_empty()) => StepState::TakeCare,
+            None if loaded.is_some_and(|loaded| loaded.has_warnings()) => StepState::TakeCare,
             None => StepState::Ready,
         },
     }
