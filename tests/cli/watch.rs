@@ -55,9 +55,11 @@ fn lines_while(arguments: &[&str], watched: &Path, files: &[(std::path::PathBuf,
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    for (file, name) in files {
+    for (index, (file, name)) in files.iter().enumerate() {
+        // The command ends with the last one: those before it must be at rest by then.
+        let pause_ms = if index + 1 == files.len() { 1500 } else { 20 };
+        std::thread::sleep(Duration::from_millis(pause_ms));
         copy(file, &watched.join(name));
-        std::thread::sleep(Duration::from_millis(20));
     }
     let lines: Vec<String> = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap).collect();
     assert!(child.wait().unwrap().success(), "{lines:#?}");
