@@ -79,7 +79,7 @@ pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
         write(&set, &calibrated)?;
     }
     print_warnings(&captures.lines());
-    print_warnings(&words.warnings);
+    print_warnings(&captures.others(&words.warnings));
     if args.print.json {
         print_json(&Printed { words: &words, capture_warnings: CaptureWarningRecord::all(&captures) })
     } else {

@@ -174,7 +174,7 @@ fn solve_unless_finished(
     }
     let options = args.method.options(&set)?;
     let output_options = args.output.options();
-    let batch = record(args, rig, &options);
+    let batch = record(args, rig, &options)?;
     if let Some(report) = is_finished(&set, folder, &batch) {
         return Ok(Outcome::Unchanged(report));
     }
@@ -185,9 +185,9 @@ fn solve_unless_finished(
     Ok(Outcome::Solved(Box::new(report)))
 }
 
-fn record(args: &SolveArgs, rig: Option<&Rig>, options: &SolveOptions) -> BatchRecord {
-    let request = format!("{options:?} {:?}", args.output.options());
-    BatchRecord::new(&request, rig.map(|rig| rig.record.clone()), args.same_paint)
+fn record(args: &SolveArgs, rig: Option<&Rig>, options: &SolveOptions) -> anyhow::Result<BatchRecord> {
+    let rig = rig.map(|rig| rig.record.clone());
+    Ok(BatchRecord::new(&(options, args.output.options()), rig, args.same_paint)?)
 }
 
 /// A folder for each set's results, by the name of its own; where two have one name, with that of the folder above.

@@ -76,3 +76,53 @@ fn sets_that_would_share_a_folder_and_rigs_that_fit_no_light_are_refused() {
     assert_eq!(stranger.code, 1);
     assert!(stranger.out.contains("no light of this set has the name"), "{}{}", stranger.out, stranger.err);
 }
+
+/// The indented line of the page that begins so.
+fn example(page: &str, beginning: &str) -> String {
+    let line = page.lines().map(str::trim).find(|line| line.starts_with(beginning));
+    line.unwrap_or_else(|| panic!("the page has no line that begins with {beginning:?}")).to_owned()
+}
+
+#[cfg(unix)]
+#[test]
+fn the_example_of_the_manual_spreads_sets_over_processes_as_it_is_written() {
+    use std::process::Command;
+
+    if !Command::new("xargs").arg("--version").output().is_ok_and(|output| output.status.success()) {
+        println!("skipped: no xargs");
+        return;
+    }
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/many-objects.md")).unwrap();
+    let place = tempfile::tempdir().unwrap();
+    tiny_set::write(place.path());
+    for name in ["objects/bowl", "objects/cup", "objects/vase"] {
+        object_alone(place.path(), name);
+        let file = place.path().join(name).join("capture.toml");
+        let text = fs::read_to_string(&file).unwrap();
+        fs::write(
+            file,
+            text + "
+[calibration]
+beta = [1, 0.5]
+",
+        )
+        .unwrap();
+    }
+    fs::rename(place.path().join("tiny"), place.path().join("balls")).unwrap();
+    let program = Path::new(env!("CARGO_BIN_EXE_firstbounce")).parent().unwrap();
+    let path = std::env::var_os("PATH").unwrap();
+    let paths = std::iter::once(program.to_owned()).chain(std::env::split_paths(&path));
+    let output = Command::new("sh")
+        .args(["-c", &example(&page, "ls -d objects/* | xargs")])
+        .env("PATH", std::env::join_paths(paths).unwrap())
+        .current_dir(place.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for name in ["bowl", "cup", "vase"] {
+        assert!(place.path().join("results").join(name).join("report.json").is_file(), "{name}");
+    }
+    // As the page says, all of them are found done.
+    let run = ["solve", "objects/bowl", "objects/cup", "objects/vase", "--rig", "balls", "--out", "results", "--json"];
+    assert_eq!(states(&firstbounce(place.path(), run).json()), ["unchanged"; 3]);
+}

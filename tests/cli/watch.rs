@@ -45,6 +45,89 @@ fn photos_are_checked_as_they_arrive_and_the_set_is_solved_when_it_is_complete()
     assert!(out.join("report.json").is_file());
 }
 
+/// What `firstbounce watch` prints with these arguments while these files are copied into a folder, one after the other.
+fn lines_while(arguments: &[&str], watched: &Path, files: &[(std::path::PathBuf, &str)]) -> Vec<String> {
+    fs::create_dir_all(watched).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_firstbounce"))
+        .args(["watch", "--until-complete", "--poll", "0.2"])
+        .args(arguments)
+        .arg(watched)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    for (index, (file, name)) in files.iter().enumerate() {
+        // The command ends with the last one: those before it must be at rest by then.
+        let pause_ms = if index + 1 == files.len() { 1500 } else { 20 };
+        std::thread::sleep(Duration::from_millis(pause_ms));
+        copy(file, &watched.join(name));
+    }
+    let lines: Vec<String> = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap).collect();
+    assert!(child.wait().unwrap().success(), "{lines:#?}");
+    lines
+}
+
+#[test]
+fn a_folder_without_a_capture_file_takes_photos_by_their_names_and_says_for_what() {
+    let place = tempfile::tempdir().unwrap();
+    let source = place.path().join("card");
+    write_tiny_set(&source);
+    let photo = files_in(&source.join("object")).remove(0);
+    let names =
+        ["left-blue", "left-red", "top-blue", "top-red", "right-blue", "right-red"].map(|name| format!("{name}.png"));
+    let mut files: Vec<_> = names.iter().map(|name| (photo.clone(), name.as_str())).collect();
+    files.insert(2, (photo.clone(), "IMG_0001.png"));
+    let watched = place.path().join("watched");
+    let lines = lines_while(&["--lights", "left,top,right", "--colours", "blue,red"], &watched, &files);
+    let said = |words: &str| lines.iter().any(|line| line.contains(words));
+    assert!(said("left-blue.png: Object left blue (by its name") && said("mean light"), "{lines:#?}");
+    // Why, depends on what arrived before it.
+    assert!(said("IMG_0001.png: not assigned: "), "{lines:#?}");
+    assert!(said("is complete (3 of 3)"), "{lines:#?}");
+}
+
+#[test]
+fn a_camera_count_is_taken_in_order() {
+    let place = tempfile::tempdir().unwrap();
+    let source = place.path().join("card");
+    write_tiny_set(&source);
+    let photo = files_in(&source.join("object")).remove(0);
+    let names: Vec<_> = (1..=4).map(|number| format!("IMG_{number:04}.png")).collect();
+    let files: Vec<_> = names.iter().map(|name| (photo.clone(), name.as_str())).collect();
+    let watched = place.path().join("watched");
+    let lines = lines_while(&["--in-order", "--lights", "left,top", "--colours", "blue,red"], &watched, &files);
+    // The first lay there and was at rest later than those that came after it: they moved on by a place.
+    for (name, place) in
+        [("IMG_0001.png: ", "Object left blue (in order"), ("IMG_0004.png: ", "Object top red (in order")]
+    {
+        assert!(lines.iter().any(|line| line.starts_with(name) && line.contains(place)), "{lines:#?}");
+    }
+    let refused = |arguments: &[&str]| {
+        let ran = firstbounce(place.path(), arguments);
+        ran.failure().to_owned()
+    };
+    assert!(refused(&["watch", "watched", "--in-order"]).contains("--lights"));
+    assert!(refused(&["watch", "watched", "--until-complete"]).contains("--until-complete"));
+}
+
+#[test]
+fn a_folder_that_vanishes_is_one_line() {
+    let place = tempfile::tempdir().unwrap();
+    let watched = place.path().join("watched");
+    fs::create_dir(&watched).unwrap();
+    let child = Command::new(env!("CARGO_BIN_EXE_firstbounce"))
+        .args(["watch", "--poll", "0.1"])
+        .arg(&watched)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    fs::remove_dir(&watched).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), words.lines().count()), (Some(1), 1), "{words}");
+    assert!(words.contains("watch it again when it is back"), "{words}");
+}
+
 #[test]
 fn a_folder_that_cannot_be_watched_is_one_line() {
     let place = tempfile::tempdir().unwrap();

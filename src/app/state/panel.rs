@@ -164,9 +164,7 @@ fn captures_state(session: &Session) -> StepState {
         (Some(line), more) => StepState::Failed { line: format!("{line} (and {more} more)") },
         (None, _) => match session.problems().first() {
             Some(problem) => StepState::Incomplete { line: problem_words(problem, &session.document().set) },
-            None if loaded.is_some_and(|loaded| !loaded.warnings.is_empty()) || !capture_warnings(session).is_empty() => {
-                StepState::TakeCare
-            }
+            None if !capture_warnings(session).is_empty() => StepState::TakeCare,
             None => StepState::Ready,
         },
     }

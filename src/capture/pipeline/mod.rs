@@ -38,10 +38,7 @@ pub use methods::{
     AlbedoScale, ColoursAndShapeSolved, Found, Input, MethodReport, NayarSolved, Needs, OnShape, add_beta_of_object,
     denoise_lights, separate_lights,
 };
-pub use photos::{
-    Exposures, ObjectPhotos, PhotoStore, ShotLight, SubjectPhotos, file_warnings, image_warnings, load_object,
-    load_subject,
-};
+pub use photos::{Exposures, ObjectPhotos, PhotoStore, ShotLight, ShotNotes, SubjectPhotos, load_object, load_subject};
 pub(crate) use reconstruct::relative_albedo;
 pub use reconstruct::{
     Direct, Lit, Separated, SolveOptions, Solved, find_light, raw_lights, reconstruct, recover, solve, triangulate,

@@ -24,7 +24,7 @@ use super::{
 use crate::set::{CaptureSet, ShapeSettings, Shot, Subject};
 
 /// How to get from photos to a mesh.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct SolveOptions {
     /// The order m; `None` for the set's own.
     pub bounces: Option<usize>,

@@ -8,8 +8,11 @@ use firstbounce_core::{Mask, Photo, Plane};
 use indexmap::IndexMap;
 use rayon::prelude::*;
 
-use super::memory::{check_group, free_memory_bytes};
-use super::{CaptureCheck, CaptureReport, CheckOptions, PhotoStore, PipelineError, PipelineWatch};
+use super::memory::{MemoryOptions, Work, check_group, check_memory, free_memory_bytes};
+use super::{
+    Calibrated, CaptureCheck, CaptureReport, CheckOptions, PhotoStore, PipelineError, PipelineWatch, Preference,
+    calibrate_with,
+};
 use crate::image_file::LinearLight;
 use crate::set::{CaptureSet, Shot, Subject};
 
@@ -66,13 +69,17 @@ pub struct Surveyed {
     pub captures: CaptureReport,
 }
 
-/// Looks at every photo, each file once, and checks them. One line says why a photo cannot be read, and the others are looked at all
+/// Looks at every photo, each file once, and checks them, with the rig where the set's file or its balls say enough of it. One line says why a photo cannot be read, and the others are looked at all
 /// the same. A photo for which memory lacks is not decoded.
 ///
 /// # Errors
 /// [`PipelineError::Cancelled`] alone.
 pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Surveyed, PipelineError> {
-    let check = CaptureCheck::new(set, &CheckOptions::default()).map_err(PipelineError::CheckOption)?;
+    let options = CheckOptions::default();
+    let check = CaptureCheck::new(set, &options).map_err(PipelineError::CheckOption)?;
+    let store = PhotoStore::default();
+    // First, for it keeps the photos of the balls.
+    let rig = rig_of(set, &store, watch)?;
     // Shots of the same files, as an RGB photo's three colours are, are made of one reading.
     let mut groups: IndexMap<&[String], Vec<usize>> = IndexMap::new();
     set.shots.iter().enumerate().for_each(|(index, shot)| groups.entry(&shot.files).or_default().push(index));
@@ -86,7 +93,7 @@ pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Surveyed, P
     let fits: Vec<usize> = (0..set.shots.len()).filter(|index| !lacking.contains_key(index)).collect();
     let shots: Vec<&Shot> = fits.iter().map(|&index| &set.shots[index]).collect();
     let seen: Vec<_> = (0..set.shots.len()).map(|index| Mutex::new(lacking.get(&index).cloned().map(Err))).collect();
-    PhotoStore::default().visit(set, &shots, watch, &|index, light| {
+    store.visit(set, &shots, watch, &|index, light| {
         let exposed = |light: &Arc<LinearLight>| {
             let region = region_of(set, shots[index], check.mask(), light.photo.linear.size());
             Exposed::of(&light.photo, region.as_ref())
@@ -95,9 +102,25 @@ pub fn survey(set: &CaptureSet, watch: &dyn PipelineWatch) -> Result<Surveyed, P
         let outcome = light.as_ref().map(exposed).map_err(ToString::to_string);
         *seen[fits[index]].lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
     })?;
-    let captures = check.finish(watch)?.report;
+    let checked = check.finish(watch)?;
+    let captures = rig.map_or_else(|| checked.report.clone(), |rig| checked.with_rig(set, &rig, &options, watch));
     let shots = seen.into_iter().filter_map(|seen| seen.into_inner().unwrap_or_else(PoisonError::into_inner)).collect();
     Ok(Surveyed { shots, captures })
+}
+
+/// The rig, as far as it is known and memory allows to look at its balls: a set that is not complete yet has none.
+fn rig_of(
+    set: &CaptureSet,
+    store: &PhotoStore,
+    watch: &dyn PipelineWatch,
+) -> Result<Option<Calibrated>, PipelineError> {
+    if check_memory(set, Work::Calibrate, &MemoryOptions::default()).is_err() {
+        return Ok(None);
+    }
+    match calibrate_with(set, Preference::File, store, watch) {
+        Err(PipelineError::Cancelled) => Err(PipelineError::Cancelled),
+        rig => Ok(rig.ok()),
+    }
 }
 
 /// A small copy of a picture whose longer side is at most `longest_px`: each pixel is the mean of those it stands for.

@@ -117,7 +117,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let woken = Arc::new(AtomicUsize::new(0));
         let count = Arc::clone(&woken);
-        let wake = move || drop(count.fetch_add(1, Ordering::SeqCst));
+        let wake = move || {
+            count.fetch_add(1, Ordering::SeqCst);
+        };
         let following = Following::start(folder.path(), WatchFolderOptions::default(), wake).unwrap();
         assert_eq!(following.try_next(), None);
         let file = folder.path().join("left-blue.png");

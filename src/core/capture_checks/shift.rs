@@ -15,6 +15,7 @@ use crate::{Mask, Plane, Watch};
 
 /// How to look for photos that lie beside the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ShiftOptions {
     /// Shifts up to here are none, in pixels of the photo.
     pub max_rest_px: f64,
@@ -84,14 +85,25 @@ impl EdgeWindow {
         if columns.min(rows) < MIN_SIDE {
             return None;
         }
-        let mut window = Self { size, corner: [left, top], step, weight: Plane::filled(columns, rows, 1.0) };
+        Some(Self::of(size, [left, top], step, (columns, rows), mask))
+    }
+
+    /// For the part of a photo that begins at `corner`, of so many cells of `step` pixels.
+    pub(super) fn of(
+        size: (usize, usize),
+        corner: [usize; 2],
+        step: usize,
+        (columns, rows): (usize, usize),
+        mask: Option<&Mask>,
+    ) -> Self {
+        let mut window = Self { size, corner, step, weight: Plane::filled(columns, rows, 1.0) };
         let object = mask.map(|mask| gaussian(&window.cells(|x, y| f32::from(u8::from(mask.at(x, y)))), AROUND_OBJECT));
         let fade = |at: usize, of: usize| (std::f32::consts::PI * (at as f32 + 0.5) / of as f32).sin().min(0.25) * 4.0;
         window.weight = from_cells(columns, rows, |x, y| {
             let near = object.as_ref().map_or(1.0, |object| (20.0 * object.at(x, y)).min(1.0));
             near * fade(x, columns) * fade(y, rows)
         });
-        Some(window)
+        window
     }
 
     /// The means of a picture's pixels over the cells.
@@ -136,7 +148,8 @@ impl EdgeWindow {
         }
         transform(&mut phases, side, &*FftPlanner::new().plan_fft_forward(side));
         keep_phases(&mut phases, side);
-        Some(EdgeSpectrum { side, cell_px: self.step as f64, phases })
+        let reach = [edges.width() / 2, edges.height() / 2];
+        Some(EdgeSpectrum { side, reach, cell_px: self.step as f64, phases })
     }
 }
 
@@ -145,6 +158,8 @@ impl EdgeWindow {
 pub struct EdgeSpectrum {
     /// Cells along a side of the grid.
     side: usize,
+    /// Half the columns and rows: photos that are shifted further share too little to say so.
+    reach: [usize; 2],
     /// Pixels of the photo along a cell.
     cell_px: f64,
     phases: Vec<Complex<f32>>,
@@ -163,31 +178,54 @@ pub struct PairShift {
 
 /// The shift from one photo to another of the same size and mask; `None` where they cannot be compared.
 pub fn pair_shift(first: &EdgeSpectrum, second: &EdgeSpectrum) -> Option<PairShift> {
-    let side = first.side;
-    if side != second.side {
-        return None;
+    pair_shifts(&[(first, second)]).pop()?
+}
+
+/// The same of one or two pairs on one grid, by one transform: correlations are real, and one is put in the imaginary part.
+pub(super) fn pair_shifts(pairs: &[(&EdgeSpectrum, &EdgeSpectrum)]) -> Vec<Option<PairShift>> {
+    let Some(side) = pairs.first().map(|(first, _)| first.side) else { return Vec::new() };
+    if pairs.iter().any(|(first, second)| first.side != side || second.side != side) {
+        return vec![None; pairs.len()];
     }
-    let mut values: Vec<_> =
-        first.phases.iter().zip(&second.phases).map(|(first, second)| second * first.conj()).collect();
+    let mut values = vec![Complex::default(); side * side];
+    for ((first, second), unit) in pairs.iter().zip([Complex::new(1.0, 0.0), Complex::i()]) {
+        let phases = first.phases.iter().zip(&second.phases);
+        values.iter_mut().zip(phases).for_each(|(value, (first, second))| *value += unit * second * first.conj());
+    }
     transform(&mut values, side, &*FftPlanner::new().plan_fft_inverse(side));
-    let power = values.iter().map(|value| f64::from(value.re).powi(2)).sum::<f64>() / values.len() as f64;
-    let (peak, value) = values.iter().map(|value| value.re).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-    let at = |x: usize, y: usize| f64::from(values[(y % side) * side + x % side].re);
+    let parts: [fn(&Complex<f32>) -> f32; 2] = [|value| value.re, |value| value.im];
+    let of_part = |((first, _), part): (&(&EdgeSpectrum, &EdgeSpectrum), fn(&Complex<f32>) -> f32)| {
+        highest(&values.iter().map(part).collect::<Vec<f32>>(), first)
+    };
+    pairs.iter().zip(parts).map(of_part).collect()
+}
+
+/// What a correlation says, by its highest value.
+fn highest(values: &[f32], seen: &EdgeSpectrum) -> Option<PairShift> {
+    let side = seen.side;
+    let power = values.iter().map(|value| f64::from(*value).powi(2)).sum::<f64>() / values.len() as f64;
+    // What lies beyond half the grid is a shift to the other side.
+    let signed = |index: usize| if index > side / 2 { index as f64 - side as f64 } else { index as f64 };
+    let is_within = |index: &usize| {
+        let cells = [index % side, index / side].map(signed);
+        cells.iter().zip(seen.reach).all(|(cells, reach)| cells.abs() <= reach as f64)
+    };
+    let peaks = values.iter().copied().enumerate().filter(|(index, _)| is_within(index));
+    let (peak, value) = peaks.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let at = |x: usize, y: usize| f64::from(values[(y % side) * side + x % side]);
     let (x, y) = (peak % side, peak / side);
     let between = |before: f64, after: f64| {
         let curvature = 2.0 * f64::from(value) - before - after;
         if curvature > 0.0 { (after - before) / (2.0 * curvature) } else { 0.0 }
     };
     let fraction = [between(at(x + side - 1, y), at(x + 1, y)), between(at(x, y + side - 1), at(x, y + 1))];
-    // What lies beyond half the grid is a shift to the other side.
-    let signed = |index: usize| if index > side / 2 { index as f64 - side as f64 } else { index as f64 };
     let cells = [x, y].map(signed);
     let reach = NEAR_REST * length(cells);
     let near = |offset: &usize| signed(*offset).abs() <= reach;
     let beside = (0..side).filter(near).flat_map(|y| (0..side).filter(near).map(move |x| (x, y)));
     let highest = beside.filter(|(x, y)| length([signed(*x), signed(*y)]) <= reach).map(|(x, y)| at(x, y));
     Some(PairShift {
-        shift_px: [0, 1].map(|axis| (cells[axis] + fraction[axis]) * first.cell_px),
+        shift_px: [0, 1].map(|axis| (cells[axis] + fraction[axis]) * seen.cell_px),
         at_rest: highest.fold(0.0, f64::max) / f64::from(value).max(f64::MIN_POSITIVE),
         strength: f64::from(value) / power.sqrt().max(f64::MIN_POSITIVE),
     })
@@ -222,14 +260,20 @@ pub fn find_moved(
     let pairs: Vec<_> = (0..count).flat_map(|a| partners(a).map(move |b| (a, b))).collect();
     let cell_px = spectra.iter().flatten().next().map_or(1.0, |spectrum| spectrum.cell_px);
     let rest_px = options.max_rest_px.max(options.max_rest_cells * cell_px);
-    let compare = |(a, b): (usize, usize)| {
-        let pair = if watch.cancelled() { None } else { pair_shift(spectra[a].as_ref()?, spectra[b].as_ref()?) };
+    let known = |&(a, b): &(usize, usize)| Some((spectra[a].as_ref()?, spectra[b].as_ref()?));
+    let pairs: Vec<_> = pairs.into_iter().filter(|pair| known(pair).is_some()).collect();
+    let shifts = |two: &[(usize, usize)]| {
+        let seen: Vec<_> = two.iter().filter_map(known).collect();
+        if watch.cancelled() { vec![None; two.len()] } else { pair_shifts(&seen) }
+    };
+    let shifts: Vec<Option<PairShift>> = pairs.par_chunks(2).flat_map_iter(shifts).collect();
+    let join = |(&(a, b), pair): (&(usize, usize), Option<PairShift>)| {
         let pair = pair.filter(|pair| pair.strength >= options.min_strength)?;
         let is_at_rest = pair.at_rest >= options.min_at_rest && length(pair.shift_px) > rest_px;
         let shift_px = if is_at_rest { [0.0; 2] } else { pair.shift_px };
         Some(Joined { a, b, pair: PairShift { shift_px, ..pair } })
     };
-    let mut joined: Vec<Joined> = pairs.into_par_iter().filter_map(compare).collect();
+    let mut joined: Vec<Joined> = pairs.iter().zip(shifts).filter_map(join).collect();
     joined.sort_by(|one, other| other.pair.strength.total_cmp(&one.pair.strength));
     let placed = places(count, &joined);
 
@@ -237,7 +281,12 @@ pub fn find_moved(
     let lies_at = |origin: &Place, place: &Place| place.group == origin.group && length(from(origin, place)) <= rest_px;
     let most = |place: &Place| placed.iter().filter(|other| lies_at(place, other)).count();
     let Some(origin) = placed.iter().rev().max_by_key(|place| most(place)) else { return Ok(Vec::new()) };
+    // Steps from photo to photo may add up to more than any two of them can show.
+    let reach_px =
+        spectra.iter().flatten().next().map_or([0.0; 2], |seen| seen.reach.map(|cells| cells as f64 * cell_px));
+    let is_seen = |place: &Place| from(origin, place).iter().zip(reach_px).all(|(shift, reach)| shift.abs() <= reach);
     let moved = placed.iter().enumerate().filter(|(_, place)| place.group == origin.group && !lies_at(origin, place));
+    let moved = moved.filter(|(_, place)| is_seen(place));
     let moved = moved.map(|(photo, place)| Moved { photo, shift_px: from(origin, place), strength: place.strength });
     Ok(moved.collect())
 }
@@ -310,62 +359,4 @@ fn keep_phases(values: &mut [Complex<f32>], side: usize) {
         // The mean is that of the window, which is the same for all photos.
         *value = if size > 0.0 && index > 0 { *value * (weight / size) } else { Complex::default() };
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use rand::rngs::StdRng;
-    use rand::{RngExt, SeedableRng};
-    use rand_distr::StandardNormal;
-
-    use super::*;
-    use crate::Unwatched;
-
-    const SIZE: usize = 160;
-
-    /// A painted dome in front of black under a lamp from one side, moved by some pixels, with noise of its own.
-    fn photo(lamp: [f64; 3], shift_px: [f64; 2], seed: u64) -> Plane {
-        let mut random = StdRng::seed_from_u64(seed);
-        Plane::from_fn(SIZE, SIZE, |x, y| {
-            let (x, y) = (x as f64 - shift_px[0], y as f64 - shift_px[1]);
-            let (u, v) = ((x - 80.0) / 60.0, (y - 80.0) / 60.0);
-            let height = 1.0 - u * u - v * v;
-            let paint = if ((x / 17.0).floor() + (y / 23.0).floor()) as i64 % 2 == 0 { 0.7 } else { 0.4 };
-            let shading = (lamp[0] * u + lamp[1] * v + lamp[2] * height.max(0.0).sqrt()).max(0.0);
-            let light = if height > 0.0 { paint * shading } else { 0.0 };
-            (light + 0.01 * random.sample::<f64, _>(StandardNormal)) as f32
-        })
-    }
-
-    const LAMPS: [[f64; 3]; 4] = [[-0.6, 0.0, 0.8], [0.6, 0.0, 0.8], [0.0, -0.6, 0.8], [0.0, 0.6, 0.8]];
-
-    fn moved(shifts: [[f64; 2]; 4]) -> Vec<Moved> {
-        let window = EdgeWindow::new((SIZE, SIZE), None).unwrap();
-        let photo = |l: usize| window.spectrum(&photo(LAMPS[l], shifts[l], l as u64));
-        find_moved(&[0, 1, 2, 3].map(photo), &ShiftOptions::default(), &Unwatched).unwrap()
-    }
-
-    #[test]
-    fn shading_of_other_lamps_is_no_shift() {
-        assert_eq!(moved([[0.0; 2]; 4]), []);
-    }
-
-    #[test]
-    fn the_lamp_whose_photos_moved_is_found_and_how_far() {
-        for shift in [[2.0, 0.0], [-3.4, 2.2], [8.0, -5.0]] {
-            let mut shifts = [[0.0; 2]; 4];
-            shifts[2] = shift;
-            let found = moved(shifts);
-            assert_eq!(found.len(), 1, "{shift:?}: {found:?}");
-            assert_eq!(found[0].photo, 2);
-            let miss = length([0, 1].map(|axis| found[0].shift_px[axis] - shift[axis]));
-            assert!(miss < 0.5, "{shift:?}: {found:?}");
-        }
-    }
-
-    #[test]
-    fn a_camera_that_was_bumped_halfway_moves_the_later_photos() {
-        let found = moved([[0.0; 2], [0.0; 2], [5.0, 1.0], [5.0, 1.0]]);
-        assert_eq!(found.iter().map(|moved| moved.photo).collect::<Vec<_>>(), [2, 3]);
-    }
 }

@@ -17,6 +17,7 @@ use crate::{Plane, Watch};
 
 /// How to denoise the direct light.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DenoiseOptions {
     /// Half the width of the window in pixels; 0 leaves the direct light as it was separated.
     pub radius_px: usize,

@@ -10,6 +10,7 @@ use crate::{Camera, Mask, NormalMap, Plane, Projection};
 
 /// How to join the pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct MeshOptions {
     /// Where z changes by more than this per unit to the side, the surface is torn instead of joined; `None` joins all.
     pub max_slope: Option<f64>,

@@ -11,6 +11,7 @@ use crate::{Camera, Mask, Plane, Portion, Watch};
 
 /// How to recover the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ShapeOptions {
     /// Photometric stereo.
     pub normals: NormalsOptions,

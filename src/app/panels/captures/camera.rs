@@ -46,12 +46,13 @@ impl CameraPart {
     /// 8-bit files are nearly always sRGB, and taken for linear they bend every number.
     fn question(&mut self, ui: &mut Ui, session: &mut Session) {
         let document = session.document();
-        let warnings = session.results.loaded().map(|loaded| loaded.warnings.clone()).unwrap_or_default();
+        let Some(loaded) = session.results.loaded() else { return };
+        let warnings = loaded.warnings.clone();
         for warning in &warnings {
             ui.label(RichText::new(warning).small().color(ui.visuals().warn_fg_color));
         }
-        let coarse =
-            warnings.iter().any(|warning| warning.contains("8 bits a pixel") || warning.contains("always sRGB"));
+        let kinds = ["eight-bit", "probably-srgb"];
+        let coarse = loaded.captures.report.warnings.iter().any(|warning| kinds.contains(&warning.kind()));
         if !coarse || self.answered || document.set.camera.encoding.is_some() {
             return;
         }

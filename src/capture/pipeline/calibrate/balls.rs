@@ -134,11 +134,6 @@ impl BallShots {
         self.photo(l, 0).or_else(|| self.photos.under(l).next())
     }
 
-    /// What the photos' files warn of.
-    pub fn file_warnings(&self) -> &[String] {
-        &self.photos.warnings
-    }
-
     /// The distance of a lamp in radii of the ball, for a ball in the object's place.
     pub fn lamp_distance_radii(&self, position_mm: [f64; 3]) -> Option<f64> {
         let distance = position_mm.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -65,7 +65,7 @@ impl DirectionDoubt {
     }
 
     /// Whether the grey ball's shading can clear it up.
-    pub(super) fn is_of_highlight(&self) -> bool {
+    pub(in crate::pipeline) fn is_of_highlight(&self) -> bool {
         matches!(self, Self::TwoHighlights | Self::Lasting | Self::BesideLasting | Self::Outshone)
     }
 }

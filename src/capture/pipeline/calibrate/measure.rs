@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::super::PipelineError;
+use super::super::checks::of_rig;
 use super::balls::{BallPhotos, BallShots, needed};
 use super::direction::{MeasuredDirection, add_common_doubts, measure_direction};
 use super::position::measure_position;
@@ -48,7 +49,6 @@ impl<'a> Measuring<'a> {
         let mut calibrated = Calibrated { not_found, ..Calibrated::default() };
         for ball in [&grey, &material, &mirror].into_iter().flatten() {
             calibrated.circles.push(ball.circle.clone());
-            calibrated.warnings.extend_from_slice(ball.file_warnings());
         }
         let circles = calibrated.circles.iter().filter_map(BallCircle::doubt);
         calibrated.warnings.extend(circles.map(|doubt| Warning::Circle(doubt).to_string()));
@@ -71,13 +71,12 @@ impl<'a> Measuring<'a> {
         self.room_light(&directions);
         self.warn_of_typed();
         self.positions(&directions);
-        for (light, direction) in self.set.lights.iter().zip(directions) {
-            let doubts =
-                direction.doubts.iter().map(|doubt| Warning::Direction { light: &light.name, doubt }.to_string());
-            self.calibrated.warnings.extend(doubts);
+        for direction in directions {
             self.calibrated.direction_doubts.push(direction.doubts);
             self.calibrated.highlights.push(direction.highlights);
         }
+        let captures = of_rig(self.set, &self.calibrated);
+        self.calibrated.warnings.extend(captures.iter().map(ToString::to_string));
         Ok(self.calibrated)
     }
 
@@ -104,7 +103,6 @@ impl<'a> Measuring<'a> {
 
     /// By light, how much of its light on the balls is not the lamp's.
     fn room_light(&mut self, directions: &[MeasuredDirection]) {
-        let set = self.set;
         // A circle that is off its ball gives such a fit too.
         let grey_is_off = self.grey.as_ref().is_some_and(|ball| ball.circle.doubt().is_some());
         let share = |(l, direction): (usize, &MeasuredDirection)| {
@@ -119,15 +117,6 @@ impl<'a> Measuring<'a> {
             of_shading.chain(of_ratios).reduce(f64::max)
         };
         let shares: Vec<Option<f64>> = directions.iter().enumerate().map(share).collect();
-        let lights: Vec<(&str, f64)> = set
-            .lights
-            .iter()
-            .zip(&shares)
-            .filter_map(|(light, share)| Some((light.name.as_str(), (*share)?)))
-            .collect();
-        if !lights.is_empty() {
-            self.calibrated.warnings.push(Warning::RoomLight { lights }.to_string());
-        }
         self.calibrated.room_light = shares;
     }
 

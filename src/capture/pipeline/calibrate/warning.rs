@@ -2,16 +2,11 @@
 
 use std::fmt;
 
-use super::{BallNotFound, CircleDoubt, DirectionDoubt};
+use super::{BallNotFound, CircleDoubt};
 
 /// A warning of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Warning<'a> {
-    /// Light that does not come from a lamp.
-    RoomLight {
-        /// Which lights, and its share of their light on the ball.
-        lights: Vec<(&'a str, f64)>,
-    },
     /// A ball without which the values are known too.
     BallNotFound(&'a BallNotFound),
     /// A given circle off its ball's edge.
@@ -27,13 +22,6 @@ pub(super) enum Warning<'a> {
         /// Half of its 95 % interval.
         half_width: f64,
     },
-    /// A doubt about a light's direction.
-    Direction {
-        /// The light.
-        light: &'a str,
-        /// What it is.
-        doubt: &'a DirectionDoubt,
-    },
     /// Intensities that nothing gives.
     AssumedIntensities {
         /// Of which lights.
@@ -44,15 +32,6 @@ pub(super) enum Warning<'a> {
 impl fmt::Display for Warning<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::RoomLight { lights } => {
-                let words = lights.iter().map(|(light, share)| format!("{:.1} % under {light}", 100.0 * share));
-                write!(
-                    f,
-                    "part of the light on the balls does not come from the lamp: {}. Darken the room, or photograph it with \
-                     all lamps off and add that as a \"dark\" shot, which is subtracted; the intervals are widened until then",
-                    words.collect::<Vec<_>>().join(", ")
-                )
-            }
             Self::BallNotFound(ball) => write!(f, "the {} ball is left out: {}", ball.kind, ball.error()),
             Self::Circle(doubt) => doubt.fmt(f),
             Self::Typed { what, typed, measured, half_width } => write!(
@@ -60,7 +39,6 @@ impl fmt::Display for Warning<'_> {
                 "{what} is {typed:.4} in capture.toml, and the ball says {measured:.4} \u{b1} {half_width:.4}: check which is \
                  right, and delete the line to use the ball's"
             ),
-            Self::Direction { light, doubt } => write!(f, "light {light}: {doubt}"),
             Self::AssumedIntensities { lights } => write!(
                 f,
                 "no grey ball gives the intensity of {}: taken as 1, which bends the normals if these lamps are not equally \

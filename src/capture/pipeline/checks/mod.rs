@@ -6,36 +6,47 @@
 
 mod equal_files;
 mod facts;
+mod files;
+mod fringe;
 mod lamps;
 mod moved;
+mod rig;
 mod surface;
 #[cfg(test)]
 mod tests;
 mod warning;
+mod words;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use firstbounce_core::Mask;
-use firstbounce_core::capture_checks::{EdgeSpectrum, EdgeWindow, LampOptions, ShiftOptions, SmallPhoto};
+use firstbounce_core::capture_checks::{
+    EdgeSpectrum, EdgeWindow, FringeOptions, FringeSpectrum, FringeWindow, LampOptions, ShiftOptions, SmallPhoto,
+};
 use firstbounce_core::options::{OptionError, check_range};
 
 use super::watch::Part;
-use super::{Calibrated, PhotoStore, PipelineError, PipelineWatch, ShotLight, Stage};
+use super::{Calibrated, Exposed, PhotoStore, PipelineError, PipelineWatch, ShotLight, ShotNotes, Stage};
 use crate::image_file::{FileFacts, read_mask};
 use crate::set::{CaptureSet, Shot, Subject};
 
+pub(super) use rig::of_rig;
 pub use surface::check_surface;
 pub use warning::{CaptureWarning, FilesOf};
 
 /// What the capture checks warn of.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct CheckOptions {
     /// Photos that lie beside the others.
     pub shift: ShiftOptions,
     /// Lamps and photos that do not belong together.
     pub lamps: LampOptions,
+    /// Edges of one colour that lie beside those of another.
+    pub fringe: FringeOptions,
+    /// More of the object's pixels than this may not be clipped in a photo: they are left out, and holes are seen from here on.
+    pub max_clipped_share: f64,
     /// Repeats that differ by more than this share of their light, but for noise. Lamps flicker by a percent or two.
     pub max_repeat_change: f64,
     /// An island of fewer pixels is none: a speck of the mask.
@@ -47,7 +58,16 @@ pub struct CheckOptions {
 impl Default for CheckOptions {
     fn default() -> Self {
         let (shift, lamps) = (ShiftOptions::default(), LampOptions::default());
-        Self { shift, lamps, max_repeat_change: 0.05, min_island_px: 25, min_island_share: 0.001 }
+        let fringe = FringeOptions::default();
+        Self {
+            shift,
+            lamps,
+            fringe,
+            max_clipped_share: 0.01,
+            max_repeat_change: 0.05,
+            min_island_px: 25,
+            min_island_share: 0.001,
+        }
     }
 }
 
@@ -56,6 +76,9 @@ impl CheckOptions {
     pub fn check(&self) -> Result<(), OptionError> {
         self.shift.check()?;
         self.lamps.check()?;
+        self.fringe.check()?;
+        let clipped = self.max_clipped_share;
+        check_range("max_clipped_share", clipped, (0.0..=1.0).contains(&clipped), "from 0 to 1")?;
         let change = self.max_repeat_change;
         check_range("max_repeat_change", change, change > 0.0 && change.is_finite(), "a positive number")?;
         let share = self.min_island_share;
@@ -82,6 +105,18 @@ impl CaptureReport {
         Self::of(self.warnings.iter().cloned().chain(other).collect())
     }
 
+    /// What other lines say that no capture warning says, each once.
+    pub fn others<'l>(&self, lines: impl IntoIterator<Item = &'l String>) -> Vec<String> {
+        let mut said = self.lines();
+        let known = said.len();
+        for line in lines {
+            if !said.contains(line) {
+                said.push(line.clone());
+            }
+        }
+        said.split_off(known)
+    }
+
     /// A line for each.
     pub fn lines(&self) -> Vec<String> {
         self.warnings.iter().map(ToString::to_string).collect()
@@ -95,12 +130,19 @@ pub struct CaptureCheck<'a> {
     mask: Option<Mask>,
     /// Where edges are looked for, once the size of the object's photos is known.
     window: OnceLock<Option<EdgeWindow>>,
+    fringe_window: OnceLock<Option<FringeWindow>>,
     seen: Mutex<BTreeMap<usize, Seen>>,
 }
 
 /// What is kept of a photo.
 struct Seen {
     files: Vec<FileFacts>,
+    /// What the files say of themselves.
+    notes: ShotNotes,
+    /// Of the object's photos, the share of its pixels that is clipped.
+    clipped: f64,
+    /// Of the object's photos, where there are several colours.
+    fringe: Option<FringeSpectrum>,
     /// Of the object's photos.
     edges: Option<EdgeSpectrum>,
     /// Of the object's photos in the reference colour.
@@ -126,7 +168,8 @@ impl CheckedPhotos {
         watch: &dyn PipelineWatch,
     ) -> CaptureReport {
         let part = Part::of(watch, Stage::Check, 1, 2);
-        let mut of_lamps = lamps::lamps(set, &self.small, calibrated, options, &part);
+        let mut of_lamps = rig::of_rig(set, calibrated);
+        of_lamps.extend(lamps::lamps(set, &self.small, calibrated, options, &part));
         // That two photos are one file is said already.
         let are_equal = self.report.warnings.iter().any(|warning| matches!(warning, CaptureWarning::EqualFiles { .. }));
         of_lamps.retain(|warning| !(are_equal && warning.kind() == warning::ONE_LAMP_TWICE));
@@ -143,7 +186,14 @@ impl<'a> CaptureCheck<'a> {
         options.check()?;
         let mask = set.mask.as_ref().and_then(|written| read_mask(&set.resolve(written)).ok());
         let mask = mask.map(|file| file.mask);
-        Ok(Self { set, options: *options, mask, window: OnceLock::new(), seen: Mutex::default() })
+        Ok(Self {
+            set,
+            options: *options,
+            mask,
+            window: OnceLock::new(),
+            fringe_window: OnceLock::new(),
+            seen: Mutex::default(),
+        })
     }
 
     /// The object, where a mask says so and can be read.
@@ -160,7 +210,13 @@ impl<'a> CaptureCheck<'a> {
         let edges = is_object.then(|| window()?.spectrum(photo)).flatten();
         let is_reference = is_object && of.colour.as_ref() == self.set.colours.first().map(|colour| &colour.name);
         let small = is_reference.then(|| SmallPhoto::of(&light.photo, self.mask.as_ref())).flatten();
-        let seen = Seen { files: light.facts.clone(), edges, small };
+        let in_parts =
+            || self.fringe_window.get_or_init(|| FringeWindow::new(photo.size(), self.mask.as_ref())).as_ref();
+        let has_colours = is_object && self.set.colours.len() > 1;
+        let fringe = has_colours.then(|| in_parts()?.spectrum(photo)).flatten();
+        let clipped = if is_object { Exposed::of(&light.photo, self.mask.as_ref()).clipped } else { 0.0 };
+        let (files, notes) = (light.facts.clone(), ShotNotes::from(&**light));
+        let seen = Seen { files, notes, clipped, fringe, edges, small };
         self.seen.lock().unwrap_or_else(PoisonError::into_inner).insert(shot, seen);
     }
 
@@ -179,7 +235,17 @@ impl<'a> CaptureCheck<'a> {
         let small = self.set.lights.iter().map(|light| under(&light.name)).collect();
         let mut warnings = equal_files::equal_files(self.set);
         warnings.extend(facts::facts(self.set, &self.options, &seen));
-        warnings.extend(moved::moved(self.set, &self.options, seen, &part));
+        warnings.extend(files::clipped(self.set, &self.options, &seen));
+        warnings.extend(files::files(self.set, &seen));
+        let window = self.fringe_window.into_inner().flatten();
+        let fringes = fringe::fringes(self.set, &self.options, window.as_ref(), &seen);
+        let moved = moved::moved(self.set, &self.options, seen, &part);
+        // Photos that were moved between the colours are shifted alike in all parts of the picture, which is said already.
+        let is_said = |fringe: &CaptureWarning| {
+            !moved.is_empty() && matches!(fringe, CaptureWarning::ColourFringe { is_uniform: true, .. })
+        };
+        warnings.extend(fringes.into_iter().filter(|fringe| !is_said(fringe)));
+        warnings.extend(moved);
         watch.progress(Stage::Check, 0.5);
         if watch.cancelled() {
             return Err(PipelineError::Cancelled);

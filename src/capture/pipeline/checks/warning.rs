@@ -1,11 +1,14 @@
-//! Capture warnings as data, and their words.
+//! Capture warnings as data.
 
 use std::fmt;
+use std::path::Path;
 
 use firstbounce_core::capture_checks::{LampFault, Mistake, Proof};
+use firstbounce_core::trust::Level;
 
 use super::written;
-use crate::image_file::FileFacts;
+use crate::image_file::{FileFacts, ImageWarning};
+use crate::pipeline::DirectionDoubt;
 use crate::set::CaptureSet;
 
 /// Something about a capture that makes normals wrong.
@@ -56,6 +59,45 @@ pub enum CaptureWarning {
         /// How far, x right and y down, in pixels.
         shift_px: [f64; 2],
     },
+    /// Edges of one colour that lie beside those of another.
+    ColourFringe {
+        /// The reference colour.
+        reference: String,
+        /// The other.
+        colour: String,
+        /// How far its edges lie beside those of the reference where that is most, x right and y down, in pixels.
+        shift_px: [f64; 2],
+        /// Where that is.
+        at_px: [f64; 2],
+        /// Whether all of the picture is shifted alike.
+        is_uniform: bool,
+    },
+    /// Much of the object is at the white level.
+    Clipped {
+        /// The files, the worst first.
+        files: FilesOf,
+        /// The largest share of the object's pixels that are clipped in one of them.
+        share: f64,
+    },
+    /// What files say of themselves, or show by themselves; all of one kind, and of photos of one subject.
+    Files {
+        /// Never empty.
+        warnings: Vec<ImageWarning>,
+        /// The files.
+        files: FilesOf,
+    },
+    /// Light on the balls that does not come from the lamps.
+    RoomLight {
+        /// Which lights, and its share of their light on the ball.
+        lights: Vec<(String, f64)>,
+    },
+    /// A direction of which reflections on the mirror ball, or the balls against each other, make one doubt.
+    Direction {
+        /// The light.
+        light: String,
+        /// What makes it doubtful.
+        doubt: DirectionDoubt,
+    },
     /// Lamps and photos that do not belong together.
     Lamps {
         /// Names of the lamps that were looked at.
@@ -93,6 +135,12 @@ impl FilesOf {
         }
         (!names.is_empty()).then_some(Self { files: names })
     }
+
+    pub(super) fn of_paths<'p>(set: &CaptureSet, paths: impl Iterator<Item = &'p Path>) -> Self {
+        let mut files: Vec<String> = paths.map(|path| written(set, path)).collect();
+        files.dedup();
+        Self { files }
+    }
 }
 
 impl fmt::Display for FilesOf {
@@ -114,6 +162,12 @@ impl CaptureWarning {
             Self::WhiteLevelOutOfReach { .. } => "white-level",
             Self::RepeatsDiffer { .. } => "repeats-differ",
             Self::Moved { .. } => "moved",
+            Self::ColourFringe { .. } => "colour-fringe",
+            Self::Clipped { .. } => "clipped",
+            Self::Files { warnings, .. } => warnings.first().map_or("file", file_kind),
+            Self::RoomLight { .. } => "room-light",
+            Self::Direction { doubt, .. } if doubt.is_of_highlight() => "static-reflection",
+            Self::Direction { .. } => "direction",
             Self::Lamps { fault: LampFault::Doubled { .. }, .. } => ONE_LAMP_TWICE,
             Self::Lamps { .. } => "lamps",
             Self::Islands { .. } => "islands",
@@ -124,18 +178,25 @@ impl CaptureWarning {
     pub fn files(&self) -> Vec<String> {
         match self {
             Self::EqualFiles { files, .. } => files.clone(),
-            Self::ValuesEnd { files, .. } | Self::WhiteLevelOutOfReach { files, .. } | Self::Moved { files, .. } => {
-                files.files.clone()
-            }
+            Self::ValuesEnd { files, .. }
+            | Self::WhiteLevelOutOfReach { files, .. }
+            | Self::Moved { files, .. }
+            | Self::Clipped { files, .. }
+            | Self::Files { files, .. } => files.files.clone(),
             Self::RepeatsDiffer { file, .. } => vec![file.clone()],
-            Self::Lamps { .. } | Self::Islands { .. } => Vec::new(),
+            Self::ColourFringe { .. }
+            | Self::RoomLight { .. }
+            | Self::Direction { .. }
+            | Self::Lamps { .. }
+            | Self::Islands { .. } => Vec::new(),
         }
     }
 
     /// The lights that it is about.
     pub fn lights(&self) -> Vec<String> {
         match self {
-            Self::Moved { light, .. } => vec![light.clone()],
+            Self::Moved { light, .. } | Self::Direction { light, .. } => vec![light.clone()],
+            Self::RoomLight { lights } => lights.iter().map(|(light, _)| light.clone()).collect(),
             Self::Lamps { lights, fault } => lamps_of(fault).into_iter().map(|l| lights[l].clone()).collect(),
             _ => Vec::new(),
         }
@@ -150,63 +211,17 @@ impl CaptureWarning {
             Self::ValuesEnd { share, .. } => 200.0 * share,
             Self::Lamps { fault: LampFault::Mistaken { proof: Proof::SlopesDeg(misfit, _), .. }, .. } => 20.0 + misfit,
             Self::Lamps { .. } => 20.0,
-            Self::Moved { shift_px: [x, y], .. } => 0.3 * x.hypot(*y),
-            Self::Islands { share_beside, .. } => *share_beside,
-        }
-    }
-}
-
-impl fmt::Display for CaptureWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::EqualFiles { files, shots } => match files.as_slice() {
-                [only] => {
-                    write!(f, "{only}: one photo is given as {}; name the right file for each", shots.join(" and as "))
-                }
-                files => write!(
-                    f,
-                    "{}: the same photo under {} names, given as {}; name the right file for each",
-                    files.join(" and "),
-                    files.len(),
-                    shots.join(" and as ")
-                ),
+            Self::Moved { shift_px: [x, y], .. } | Self::ColourFringe { shift_px: [x, y], .. } => 0.3 * x.hypot(*y),
+            Self::Clipped { share, .. } => 20.0 * share,
+            Self::Files { warnings, .. } => warnings.iter().map(file_badness).fold(0.0, f64::max),
+            // A ratio that is off by a share, of which the lamps differ.
+            Self::RoomLight { lights } => 60.0 * lights.iter().map(|(_, share)| *share).fold(0.0, f64::max),
+            Self::Direction { doubt: DirectionDoubt::Given { angle_deg, .. }, .. } => *angle_deg,
+            Self::Direction { doubt, .. } => match doubt.level() {
+                Level::DoNotTrust => 30.0,
+                Level::TakeCare | Level::Fine => 3.0,
             },
-            Self::ValuesEnd { files, value, share, white_level } => {
-                let percent = 100.0 * share;
-                write!(
-                    f,
-                    "{files}: {percent:.1} % of the pixels are at {value}, where the camera's values end, and do not count as clipped; "
-                )?;
-                match white_level {
-                    Some(level) => write!(f, "set white_level = {value} under [camera] in place of {level}"),
-                    None => write!(f, "set white_level = {value} under [camera]"),
-                }
-            }
-            Self::WhiteLevelOutOfReach { files, white_level, maximum } => write!(
-                f,
-                "{files}: white_level is {white_level}, and the file holds {maximum} at most, so that nothing counts as \
-                 clipped and all light as dim; set white_level = {maximum} under [camera], or leave it out"
-            ),
-            Self::RepeatsDiffer { file, before, change } => write!(
-                f,
-                "{file}: differs from {}, which it is averaged with, by {:.0} % of their light, beyond all noise; make it a \
-                 shot of its own, or take it out",
-                before.join(" and "),
-                100.0 * change
-            ),
-            Self::Moved { light, files, shift_px: [x, y] } => write!(
-                f,
-                "light {light}: {files}: {:.1} px beside the other lamps' photos ({x:+.1} right, {y:+.1} down): the camera or the \
-                 object was moved; photograph this lamp again",
-                x.hypot(*y)
-            ),
-            Self::Lamps { lights, fault } => f.write_str(&words_of(fault, lights)),
-            Self::Islands { islands, share_beside } => write!(
-                f,
-                "the object is in {islands} parts, and the depth between them is not known ({:.1} % of its pixels lie beside \
-                 the largest); join them in the mask, or measure nothing across them",
-                100.0 * share_beside
-            ),
+            Self::Islands { share_beside, .. } => *share_beside,
         }
     }
 }
@@ -224,55 +239,35 @@ fn lamps_of(fault: &LampFault) -> Vec<usize> {
     }
 }
 
-fn words_of(fault: &LampFault, lights: &[String]) -> String {
-    let percent = |share: &f64| format!("{:.2} %", 100.0 * share);
-    match fault {
-        LampFault::Mistaken { like, proof } => {
-            let mistakes: Vec<_> = like.iter().map(|mistake| mistake_words(*mistake, lights)).collect();
-            let proof = match proof {
-                Proof::SlopesDeg(found, best) => {
-                    format!("normals miss any surface by {found:.1} degrees, and by {best:.1} without this mistake")
-                }
-                Proof::LightShare(found, best) => {
-                    format!(
-                        "{} of the light fits no normal, and {} without this mistake",
-                        percent(found),
-                        percent(best)
-                    )
-                }
-            };
-            format!(
-                "lamps and photos do not belong together: {} ({proof}); correct the directions or the photos' lights",
-                mistakes.join(", or ")
-            )
-        }
-        LampFault::Doubled { lamps: [a, b], difference } => format!(
-            "lights {} and {}: their photos differ by {} of their light, as those of one lamp do; photograph {} again under \
-             its own lamp",
-            lights[*a],
-            lights[*b],
-            percent(difference),
-            lights[*b]
-        ),
-        LampFault::Unexplained { share } => format!(
-            "lamps and photos do not belong together: {} of the light fits no normal; check which photo was taken under which \
-             lamp, and the lamps' directions",
-            percent(share)
-        ),
-        LampFault::NoSurface { misfit_deg } => format!(
-            "lamps and photos do not belong together: normals miss any surface by {misfit_deg:.1} degrees; check which photo \
-             was taken under which lamp, and the lamps' directions"
-        ),
+/// The kind of what a file says of itself, in one word for programs.
+fn file_kind(warning: &ImageWarning) -> &'static str {
+    match warning {
+        ImageWarning::EightBit { .. } => "eight-bit",
+        ImageWarning::ProbablySrgb { .. } => "probably-srgb",
+        ImageWarning::WrongExtension { .. } => "wrong-extension",
+        ImageWarning::BadValues { .. } => "bad-values",
+        ImageWarning::MaskManyValues { .. } | ImageWarning::MaskWhole { .. } => "mask",
+        ImageWarning::CurveUndone { .. } => "curve-undone",
+        ImageWarning::CurveUnknown { .. } => "curve-unknown",
+        ImageWarning::CurveContradicted { .. } => "curve-contradicted",
+        ImageWarning::ExposureFilledIn { .. } => "exposure-filled-in",
+        ImageWarning::ExposureContradicted { .. } => "exposure-contradicted",
+        ImageWarning::OtherSensitivity { .. } => "other-sensitivity",
+        ImageWarning::OtherAperture { .. } => "other-aperture",
     }
 }
 
-fn mistake_words(mistake: Mistake, lights: &[String]) -> String {
-    match mistake {
-        Mistake::Flipped => "y of the directions points down, or x to the left: change the sign of one".into(),
-        Mistake::Swapped => "x and y of the directions are swapped".into(),
-        Mistake::SwappedAndFlipped => "x and y of the directions are swapped, and one has the wrong sign".into(),
-        Mistake::Exchanged(a, b) => format!("lights {} and {} are exchanged", lights[a], lights[b]),
-        Mistake::Shifted => "each light has the direction of the one before or after it".into(),
-        Mistake::Odd(lamp) => format!("light {} fits none of the others", lights[lamp]),
+/// Roughly the degrees by which normals are off: a curve that is taken for linear bends them by eleven.
+fn file_badness(warning: &ImageWarning) -> f64 {
+    match warning {
+        ImageWarning::ExposureContradicted { stated, measured, .. } => 30.0 * (stated / measured).ln().abs().min(1.0),
+        ImageWarning::ProbablySrgb { .. }
+        | ImageWarning::CurveUnknown { .. }
+        | ImageWarning::CurveContradicted { .. } => 11.0,
+        ImageWarning::OtherAperture { .. } => 3.0,
+        ImageWarning::OtherSensitivity { .. } | ImageWarning::MaskWhole { .. } => 2.0,
+        ImageWarning::EightBit { .. } | ImageWarning::BadValues { .. } | ImageWarning::MaskManyValues { .. } => 1.0,
+        ImageWarning::CurveUndone { .. } | ImageWarning::ExposureFilledIn { .. } => 0.5,
+        ImageWarning::WrongExtension { .. } => 0.1,
     }
 }

@@ -50,7 +50,7 @@ fn direct_light(input: &Input, watch: &dyn PipelineWatch, on_shape: &mut OnShape
 }
 
 /// What makes albedos absolute where it is not, or not to be, what the capture file gives.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct AlbedoScale {
     /// Albedo of the grey ball in the reference colour.
     pub grey_albedo: Option<f64>,

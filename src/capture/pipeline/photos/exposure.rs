@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::image_file::{ImageWarning, Metadata};
 use crate::set::{CaptureSet, Shot, Subject};
 
-use super::ShotLight;
+use super::ShotNotes;
 
 /// Exposures that differ by less are one: cameras round what they write.
 const SAME_WITHIN: f64 = 0.01;
@@ -87,11 +87,10 @@ impl Exposures {
 }
 
 /// What the user should know of the exposures of shots that are to be compared with each other.
-pub(super) fn warnings(shots: &[(&Shot, &ShotLight)]) -> Vec<ImageWarning> {
-    let lights = || shots.iter().filter_map(|(shot, light)| Some((shot, light.as_ref().ok()?)));
-    let files: Vec<_> = lights().flat_map(|(_, light)| &light.files).collect();
+pub(super) fn warnings(shots: &[(&Shot, &ShotNotes)]) -> Vec<ImageWarning> {
+    let files: Vec<_> = shots.iter().flat_map(|(_, light)| &light.files).collect();
     let filled_in =
-        lights().filter(|(shot, light)| shot.exposure.is_none() && !is_same(f64::from(light.exposure), UNSTATED));
+        shots.iter().filter(|(shot, light)| shot.exposure.is_none() && !is_same(f64::from(light.exposure), UNSTATED));
     let filled_in = filled_in.filter_map(|(_, light)| {
         let (path, _) = light.files.first()?;
         Some(ImageWarning::ExposureFilledIn { path: path.clone(), exposure: f64::from(light.exposure) })

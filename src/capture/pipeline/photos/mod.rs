@@ -12,4 +12,5 @@ mod tests;
 pub use exposure::Exposures;
 pub use object::{ObjectPhotos, load_object};
 pub use store::{PhotoStore, ShotLight};
-pub use subject::{SubjectPhotos, file_warnings, image_warnings, load_subject};
+pub use subject::{ShotNotes, SubjectPhotos, load_subject};
+pub(super) use subject::{by_kind, image_warnings};

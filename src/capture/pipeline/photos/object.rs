@@ -27,7 +27,7 @@ pub struct ObjectPhotos {
     pub mask: Mask,
     /// Reasons to look at the mask's file again.
     pub mask_warnings: Vec<ImageWarning>,
-    /// What the user should know of the files, each once.
+    /// What the user should know of the mask; what files say of themselves is among the capture warnings.
     pub warnings: Vec<String>,
 }
 
@@ -43,7 +43,8 @@ pub fn load_object(
 impl ObjectPhotos {
     /// Puts the object's photos together with its mask.
     pub fn of(set: &CaptureSet, photos: SubjectPhotos) -> Result<Self, PipelineError> {
-        let SubjectPhotos { mut shots, mut warnings } = photos;
+        let SubjectPhotos { mut shots } = photos;
+        let mut warnings = Vec::new();
         let mut taken = Vec::with_capacity(set.lights.len());
         for (l, light) in set.lights.iter().enumerate() {
             let mut row = Vec::with_capacity(set.colours.len());

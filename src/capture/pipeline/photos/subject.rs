@@ -1,6 +1,6 @@
 //! The photos of one subject, by light and colour.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use firstbounce_core::Photo;
@@ -8,7 +8,7 @@ use indexmap::IndexMap;
 
 use super::super::{PipelineError, PipelineWatch};
 use super::{PhotoStore, ShotLight, exposure};
-use crate::image_file::{ImageWarning, LinearLight};
+use crate::image_file::{ImageWarning, LinearLight, Metadata};
 use crate::set::{CaptureSet, Shot, Subject};
 
 /// The photos of one subject, by light and colour, in linear light.
@@ -16,8 +16,6 @@ use crate::set::{CaptureSet, Shot, Subject};
 pub struct SubjectPhotos {
     /// By (light, colour): colour is `None` for a mirror ball's shot that names none.
     pub(super) shots: IndexMap<(usize, Option<usize>), Arc<LinearLight>>,
-    /// What the user should know of the files, each once.
-    pub warnings: Vec<String>,
 }
 
 impl SubjectPhotos {
@@ -52,14 +50,13 @@ impl SubjectPhotos {
 
     /// Puts shots together that were read; all must be there and have one size.
     pub fn of(set: &CaptureSet, subject: Subject, shots: &[(&Shot, ShotLight)]) -> Result<Self, PipelineError> {
-        let mut photos = Self { shots: IndexMap::new(), warnings: Vec::new() };
+        let mut photos = Self { shots: IndexMap::new() };
         for (shot, light) in shots {
             let linear = light.clone().map_err(PipelineError::Photo)?;
             let light = shot.light.as_deref().and_then(|name| set.light_index(name)).unwrap_or_default();
             let colour = shot.colour.as_deref().and_then(|name| set.colour_index(name));
             photos.shots.insert((light, colour), linear);
         }
-        photos.warnings = file_warnings(shots.iter().map(|(shot, light)| (*shot, light)));
         photos.check_sizes(set, subject)?;
         Ok(photos)
     }
@@ -96,12 +93,27 @@ pub fn load_subject(
     SubjectPhotos::of(set, subject, &shots.into_iter().zip(lights).collect::<Vec<_>>())
 }
 
+/// What the files of a shot say of themselves.
+#[derive(Clone, Debug)]
+pub struct ShotNotes {
+    /// What its light was divided by.
+    pub exposure: f32,
+    /// The files, and what each says of itself.
+    pub files: Vec<(PathBuf, Metadata)>,
+    /// The warnings of all files.
+    pub warnings: Vec<ImageWarning>,
+}
+
+impl From<&LinearLight> for ShotNotes {
+    fn from(light: &LinearLight) -> Self {
+        Self { exposure: light.exposure, files: light.files.clone(), warnings: light.warnings.clone() }
+    }
+}
+
 /// What the user should know of the files of some shots of one subject, each once.
-pub fn image_warnings<'a>(shots: impl Iterator<Item = (&'a Shot, &'a ShotLight)>) -> Vec<ImageWarning> {
-    let shots: Vec<_> = shots.collect();
-    let of_files = shots.iter().filter_map(|(_, light)| light.as_ref().ok()).flat_map(|light| light.warnings.clone());
+pub fn image_warnings(shots: &[(&Shot, &ShotNotes)]) -> Vec<ImageWarning> {
     let mut each_once = Vec::new();
-    for warning in of_files.chain(exposure::warnings(&shots)) {
+    for warning in shots.iter().flat_map(|(_, notes)| notes.warnings.clone()).chain(exposure::warnings(shots)) {
         if !each_once.contains(&warning) {
             each_once.push(warning);
         }
@@ -109,16 +121,11 @@ pub fn image_warnings<'a>(shots: impl Iterator<Item = (&'a Shot, &'a ShotLight)>
     each_once
 }
 
-/// The same in words: a line for each kind of warning, with its first file and how many more there are.
-pub fn file_warnings<'a>(shots: impl Iterator<Item = (&'a Shot, &'a ShotLight)>) -> Vec<String> {
+/// The same by kind.
+pub fn by_kind(warnings: Vec<ImageWarning>) -> impl Iterator<Item = Vec<ImageWarning>> {
     let mut kinds: IndexMap<_, Vec<ImageWarning>> = IndexMap::new();
-    for warning in image_warnings(shots) {
+    for warning in warnings {
         kinds.entry(std::mem::discriminant(&warning)).or_default().push(warning);
     }
-    let words = kinds.values().map(|same| match same.as_slice() {
-        [only] => only.to_string(),
-        [first, more @ ..] => format!("{first} (and {} more such files)", more.len()),
-        [] => String::new(),
-    });
-    words.collect()
+    kinds.into_values()
 }

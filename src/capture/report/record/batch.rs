@@ -5,6 +5,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::InputRecord;
+use crate::pipeline::PipelineError;
 
 /// What a run of many sets was asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -27,10 +28,14 @@ pub struct RigRecord {
 }
 
 impl BatchRecord {
-    /// Of all options in words, and of a rig.
-    pub fn new(options: &str, rig: Option<RigRecord>, same_paint: bool) -> Self {
-        let hash = Sha256::digest(options.as_bytes());
+    /// Of how sets are solved and results written, all of it, and of a rig.
+    ///
+    /// # Errors
+    /// Options that have no words in JSON, as numbers that are not finite have none.
+    pub fn new(options: &impl Serialize, rig: Option<RigRecord>, same_paint: bool) -> Result<Self, PipelineError> {
+        let options = serde_json::to_vec(options).map_err(PipelineError::Json)?;
+        let hash = Sha256::digest(&options);
         let options_sha256 = hash.iter().map(|byte| format!("{byte:02x}")).collect();
-        Self { options_sha256, same_paint, rig }
+        Ok(Self { options_sha256, same_paint, rig })
     }
 }

@@ -190,7 +190,7 @@ impl Report {
         let shape = solved.after.as_ref().ok().map(ShapeRecord::of);
         let names = set.lights.iter().map(|light| light.name.clone());
         let trust = TrustRecord::of(set, &solved.trust);
-        let of_photos = solved.object.warnings.iter().chain(&solved.calibrated.warnings).cloned();
+        let of_photos = solved.captures.others(solved.object.warnings.iter().chain(&solved.calibrated.warnings));
         let solved_pixels = shape.as_ref().map_or(0, |shape| shape.solved_pixels);
         let of_method = solved.report.warnings(solved_pixels);
         // That one colour cannot tell bounces apart is no reproach to a method that simulates them.

@@ -1,6 +1,8 @@
 //! Subject, light and colour from the names of files, by a pattern that the user can see and change.
 
 mod arrivals;
+#[cfg(test)]
+mod arrivals_tests;
 mod doubt;
 mod exposure;
 mod name;

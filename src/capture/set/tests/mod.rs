@@ -5,6 +5,7 @@ mod names;
 mod random;
 mod refusals;
 mod shared_sets;
+mod subjects;
 mod texts;
 
 use std::path::Path;

@@ -15,6 +15,7 @@ use crate::options::check_range;
 
 /// What form factors may cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct FormFactorOptions {
     /// Above this the factors are not kept but computed again for every bounce. N patches need 2 N^2 bytes.
     pub memory_limit_bytes: u64,

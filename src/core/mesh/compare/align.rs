@@ -37,8 +37,10 @@ const GOOD_RMS: f64 = 0.002;
 const GOOD_OVERLAP: f64 = 0.5;
 /// A start that was searched must be better than the given one by this factor: an object of revolution must not turn.
 const SEARCH_MUST_GAIN: f64 = 0.9;
-/// How many searched starts are compared at the second level.
-const COMPARED: usize = 2;
+/// How many searched starts are compared at the second level: what has three or four equal sides fits as often.
+const COMPARED: usize = 4;
+/// Coverages that differ by fewer standard errors of the points that were looked at are one.
+const SAME_COVERAGE_ERRORS: f64 = 3.0;
 /// Poses whose costs differ by less than this factor cannot be told apart.
 const AS_GOOD: f64 = 1.2;
 /// Costs below this fraction of the diagonal are as good as none.
@@ -241,11 +243,18 @@ impl Job<'_> {
         }
         let others = other_starts(self, &given, !self.fits(&given))?;
         let others = others.into_iter().filter(|other| !is_same(self, &other.pose, &given.pose)).take(COMPARED);
-        let mut others = others.map(|other| self.level(&SECOND, other)).collect::<Result<Vec<_>, _>>()?;
-        others.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
+        let others = others.map(|other| self.level(&SECOND, other)).collect::<Result<Vec<_>, _>>()?;
         let given = self.level(&SECOND, given)?;
+        // One that comes to where the given start comes is no other, but may have come there sooner.
+        let (same, mut others): (Vec<_>, Vec<_>) =
+            others.into_iter().partition(|other| is_same(self, &other.pose, &given.pose));
+        let given = same.into_iter().fold(given, |best, run| if run.cost() < best.cost() { run } else { best });
+        others.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
+        let Some(best) = self.best_of_ties(&others, &given) else {
+            return Ok(Found { run: given, searched: false, other: None });
+        };
+        let best = others.remove(best);
         let mut others = others.into_iter();
-        let Some(best) = others.next() else { return Ok(Found { run: given, searched: false, other: None }) };
         let relief_mm = self.surface.relief_mm();
         let may_win = given.overlap >= self.options.minimum_overlap || !is_poor(best.rms_mm, best.overlap, relief_mm);
         if may_win && best.cost() < SEARCH_MUST_GAIN * given.cost() {
@@ -253,6 +262,28 @@ impl Job<'_> {
             return Ok(Found { run: best, searched: true, other: Some(next) });
         }
         Ok(Found { run: given, searched: false, other: Some(best) })
+    }
+
+    /// Of runs, the cheapest first, the one to go on with: among those that are as cheap as noise allows the one that covers most of
+    /// the mesh, and of equal coverage the one that turns it least from where the user put it. Only those count that beat the given
+    /// start, if any does.
+    fn best_of_ties(&self, runs: &[Run], given: &Run) -> Option<usize> {
+        let limit = AS_GOOD * runs.first()?.cost() + NO_COST * self.surface.diagonal_mm;
+        let must_beat = SEARCH_MUST_GAIN * given.cost();
+        let is_tied = |run: &Run| run.cost() <= limit && (run.cost() < must_beat || runs[0].cost() >= must_beat);
+        let samples = self.samples.every(SECOND.step);
+        let coverage = |run: &Run| {
+            let pairs = samples.pairs(self.surface, &run.pose, self.gate(&LAST));
+            let share = pairs.overlap();
+            (share, (share * (1.0 - share) / pairs.asked.max(1) as f64).sqrt())
+        };
+        let tied = runs.iter().enumerate().filter(|(_, run)| is_tied(run));
+        let tied: Vec<_> = tied.map(|(index, run)| (index, coverage(run))).collect();
+        let most = tied.iter().map(|(_, coverage)| *coverage).max_by(|one, other| one.0.total_cmp(&other.0))?;
+        let covers_most = |(share, error): (f64, f64)| most.0 - share <= SAME_COVERAGE_ERRORS * most.1.hypot(error);
+        let turn = |index: usize| runs[index].pose.rotation.angle_to(&given.pose.rotation);
+        let best = tied.iter().filter(|(_, coverage)| covers_most(*coverage));
+        best.map(|(index, _)| *index).min_by(|one, other| turn(*one).total_cmp(&turn(*other)))
     }
 
     /// Whether the surfaces lie on each other and face opposite ways: turned over they may fit somehow, which is not meant.

@@ -34,6 +34,7 @@ const POINTS_PER_PATCH_SIDE: usize = 2;
 
 /// How to iterate.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ByShapeOptions {
     /// About how many patches the surface is cut into. Time and memory grow with its square.
     pub patches: usize,

@@ -20,6 +20,7 @@ use crate::{NormalMap, Plane, Portion, Watch};
 
 /// How s and k are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ClosureOptions {
     /// The most cells that are looked at for each beta that is tried.
     pub cells: usize,

@@ -62,6 +62,7 @@ const MIN_FILL_WEIGHT: f32 = 1e-3;
 
 /// How to separate.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ColoursAndShapeOptions {
     /// How often light is gathered over the shape and the shape recovered from what is left. 0 leaves the shape out: one colour
     /// ratio for each light.

@@ -23,6 +23,7 @@ use steps::{Region, Steps};
 
 /// How to integrate.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DepthOptions {
     /// Where to stop: the norm of the residual, and the estimated error in slope, over those at the start; 1e-8 to 1.
     pub tolerance: f64,

@@ -29,6 +29,7 @@ const MIN_SPREAD: f64 = 0.01;
 
 /// How to find normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NormalsOptions {
     /// A light is in shadow at a pixel where its strength-corrected light is below this share of the brightest light's.
     pub shadow_fraction: f64,
@@ -41,6 +42,7 @@ pub struct NormalsOptions {
 
 /// What is known of the object's albedo.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Paint {
     /// One where the albedos of photometric stereo agree within their noise.
     #[default]

@@ -47,8 +47,8 @@ impl Stage for Check {
         Some(Box::new(move |job| {
             let options = CheckOptions::default();
             let captures = loaded.captures.with_rig(&document.set, &rig.calibrated, &options, job);
-            // Those of the photos were reported when they were read.
-            let known = loaded.captures.report.lines();
+            // Those of the photos were reported when they were read, those of the balls when they were measured.
+            let known = [loaded.captures.report.lines(), rig.calibrated.warnings.clone()].concat();
             let warnings = captures.lines().into_iter().filter(|line| !known.contains(line)).collect();
             Ok(Done::new(Checked { captures }).with_warnings(warnings))
         }))

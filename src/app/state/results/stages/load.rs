@@ -5,7 +5,7 @@ use std::sync::Arc;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
     CaptureCheck, CheckOptions, CheckedPhotos, MemoryOptions, ObjectLevels, ObjectPhotos, PhotoStore, PipelineError,
-    ShotLight, SubjectPhotos, Work as MemoryWork, check_memory, file_warnings,
+    ShotLight, SubjectPhotos, Work as MemoryWork, check_memory,
 };
 use firstbounce_capture::set::{Projection, Shot, Subject};
 use firstbounce_core::{Photo, Plane};
@@ -54,6 +54,11 @@ impl Loaded {
     /// The shot of this name.
     pub fn shot(&self, name: &ShotName) -> Option<&LoadedShot> {
         self.shots.iter().find(|shot| shot.name == *name)
+    }
+
+    /// Whether anything of the photos calls for care.
+    pub fn has_warnings(&self) -> bool {
+        !self.warnings.is_empty() || !self.captures.report.warnings.is_empty()
     }
 }
 
@@ -135,10 +140,6 @@ fn load(set: &CaptureSet, store: &PhotoStore, job: &Job) -> Result<Loaded, Stage
     let all: Vec<_> = shots.into_iter().zip(lights).collect();
     let object = object(set, &all);
     let mut warnings = object.as_ref().map(|object| object.warnings.clone()).unwrap_or_default();
-    for subject in set.subjects().into_iter().filter(|subject| *subject != Subject::Object || object.is_err()) {
-        let of_subject = all.iter().filter(|(shot, _)| shot.subject == subject);
-        warnings.extend(file_warnings(of_subject.map(|(shot, light)| (*shot, light))));
-    }
     warnings.sort();
     warnings.dedup();
     let levels = object.as_ref().map(|object| ObjectLevels::of(set, object)).unwrap_or_default();
