@@ -12,7 +12,7 @@ use firstbounce_capture::pipeline::{
     Calibrated, CheckOptions, PhotoStore, Preference, Source, Work, calibrate_also_on_object, check_captures,
 };
 use firstbounce_capture::report::{CalibrationRecord, CaptureWarningRecord, Row};
-use firstbounce_capture::set::{write_calibration, write_positions};
+use firstbounce_capture::set::{write_calibration, write_crosstalk, write_positions};
 use serde::Serialize;
 
 use super::circle::GivenCircle;
@@ -115,6 +115,10 @@ fn write(set: &CaptureSet, calibrated: &Calibrated) -> anyhow::Result<()> {
     let mut values = calibrated.values(set);
     let positions: Vec<_> = calibrated.positions_mm(set).map(|(light, known)| (light, known.value)).collect();
     values.direction.retain(|light, _| !positions.iter().any(|(name, _)| name == light));
+    let measured = calibrated.crosstalk.iter().flatten().any(|known| known.source == Source::GreyBall);
+    let rows = calibrated.crosstalk_rows().filter(|_| measured);
+    // Before what was measured after it was undone.
+    let old = rows.map_or(Ok(old.clone()), |rows| write_crosstalk(&old, &rows))?;
     let new = write_positions(&write_calibration(&old, &values, &circles)?, positions)?;
     Ok(write_kept_file(&path, new.as_bytes())?)
 }

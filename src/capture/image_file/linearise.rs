@@ -89,8 +89,9 @@ pub struct LinearLight {
     pub repeats: usize,
     /// The noise by signal, from the differences between the repeats; `None` for one file.
     pub noise: Option<RepeatNoise>,
-    /// The noise of a bracket, whose exposures were combined by noise weight; `None` for one exposure.
-    pub bracket_noise: Option<NoiseModel>,
+    /// The noise of a photo that is combined of others, where it is known: of the exposures of a bracket by noise weight, of channels whose
+    /// crosstalk was undone; `None` for one exposure as it was taken.
+    pub combined_noise: Option<NoiseModel>,
     /// Below this fraction of the range from black to white pixels were marked dark.
     pub dark_below: f32,
     /// What the light was divided by.
@@ -179,7 +180,7 @@ pub fn linearise<I: Borrow<ImageFile>>(
         photo,
         repeats: average.repeats,
         noise,
-        bracket_noise: None,
+        combined_noise: None,
         dark_below,
         exposure: options.exposure,
         files: average.files,

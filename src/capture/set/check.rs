@@ -124,6 +124,9 @@ impl Found {
         }
         self.maybe_number(at, "full_well_electrons", Number::FullWellElectrons, camera.full_well_electrons);
         self.maybe_number(at, "read_noise_electrons", Number::ReadNoiseElectrons, camera.read_noise_electrons);
+        for share in camera.crosstalk.iter().flatten().flatten() {
+            self.number(at, "crosstalk", Number::Crosstalk, *share);
+        }
         match (camera.read_noise_electrons, camera.full_well_electrons) {
             (Some(_), None) => {
                 let message = "needs full_well_electrons beside it, which scales electrons to light";

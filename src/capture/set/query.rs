@@ -96,6 +96,8 @@ impl CaptureSet {
         let mut set = self.clone();
         set.colours.truncate(1);
         set.shots.retain(|shot| shot.colour.is_none() || shot.colour == reference);
+        set.camera.crosstalk = None;
+        set.shots.retain(|shot| shot.subject != Subject::Crosstalk);
         set.calibration.beta = None;
         set.calibration.alpha.clear();
         set.separation = Separation::default();
@@ -120,6 +122,21 @@ impl CaptureSet {
     /// The layer of a shot's files: its own or the camera's.
     pub fn layer_of<'s>(&'s self, shot: &'s Shot) -> Option<&'s str> {
         shot.layer.as_deref().or(self.camera.layer.as_deref())
+    }
+
+    /// Whether light is taken from one channel to another: the file gives crosstalk, or shots show it.
+    pub fn has_crosstalk(&self) -> bool {
+        self.camera.crosstalk.is_some() || self.shots_of(Subject::Crosstalk).next().is_some()
+    }
+
+    /// Whether photos of the object hold several colours, each in a channel.
+    pub fn has_rgb_photos(&self) -> bool {
+        let of_object = || self.shots_of(Subject::Object);
+        let shares = |shot: &Shot| {
+            of_object()
+                .any(|other| other.files == shot.files && other.light == shot.light && other.colour != shot.colour)
+        };
+        of_object().next().is_some_and(shares)
     }
 
     /// The channel of a shot's files that holds its colour; the mean of all where it names none.

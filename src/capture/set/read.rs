@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use firstbounce_core::stereo::normals::Paint;
 use toml_edit::{Document, Item, TableLike};
 
-use super::fields::{ENCODING, Fields, Reader, count, encoding, number, numbers, text, texts, tuple, word};
+use super::fields::{ENCODING, Fields, Reader, count, encoding, number, numbers, rows, text, texts, tuple, word};
 use super::method::Method;
 use super::model::*;
 use super::number::{Number, vector_words};
@@ -218,6 +218,7 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
         white_level: fields.get("white_level", &Number::WhiteLevel.words(), number),
         full_well_electrons: fields.get("full_well_electrons", &Number::FullWellElectrons.words(), number),
         read_noise_electrons: fields.get("read_noise_electrons", &Number::ReadNoiseElectrons.words(), number),
+        crosstalk: fields.get("crosstalk", "a list of rows of numbers, one row per colour", rows),
     }
 }
 

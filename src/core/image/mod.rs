@@ -5,6 +5,7 @@ pub mod colour;
 pub mod evaluate;
 pub mod gaussian;
 pub mod mask;
+pub mod mixing;
 pub mod noise;
 pub mod normal_map;
 pub mod photo;

@@ -78,7 +78,7 @@ fn combined(set: &CaptureSet, lights: &[Arc<LinearLight>]) -> Result<LinearLight
         photo: Arc::new(photo),
         repeats: lights.iter().map(|light| light.repeats).sum(),
         noise: None,
-        bracket_noise: Some(noise),
+        combined_noise: Some(noise),
         dark_below: least(|light| light.dark_below / light.exposure),
         exposure: 1.0,
         files: lights.iter().flat_map(|light| light.files.clone()).collect(),

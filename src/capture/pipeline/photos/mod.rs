@@ -8,6 +8,7 @@ mod store;
 mod subject;
 #[cfg(test)]
 mod tests;
+mod unmix;
 
 pub use exposure::Exposures;
 pub use object::{ObjectPhotos, load_object};
