@@ -224,3 +224,33 @@ fn crosstalk_of_a_simulated_set_is_measured_kept_and_undone() {
     let refused = simulated(place, &["corner", "--out", "four", "--crosstalk-shots", "--no-balls"]);
     assert!(refused.failure().contains("balls"), "{}", refused.err);
 }
+
+#[test]
+fn a_lens_is_taken_from_a_calibration_of_opencv_and_kept() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    simulated(place, &["corner", "--out", "set", "--perspective", "800"]);
+    let yaml = |width: usize, k3: f64| {
+        format!(
+            "%YAML 1.2\n---\nimage_width: {width}\nimage_height: 80\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   \
+             data: [ 600., 0., 39.5, 0., 600., 39.5, 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   \
+             dt: d\n   data: [ -0.1, 0.02, 0.001, -0.002, {k3} ]\n"
+        )
+    };
+    for (text, words) in
+        [(yaml(80, 0.3), "0.3 is not 0"), (yaml(640, 0.0), "640 x 80 pixels"), ("a: 1".into(), "no camera calibration")]
+    {
+        fs::write(place.join("camera.yml"), text).unwrap();
+        let ran = firstbounce(place, ["calibrate", "set", "--camera", "camera.yml"]);
+        assert!(ran.failure().contains(words), "{}", ran.err);
+    }
+    fs::write(place.join("camera.yml"), yaml(80, 0.0)).unwrap();
+    assert_eq!(firstbounce(place, ["calibrate", "set", "--camera", "camera.yml", "--write"]).code, 0);
+    let toml = fs::read_to_string(place.join("set/capture.toml")).unwrap();
+    for line in
+        ["focal_length_px = 600.0", "principal_point = [40.0, 40.0]", "distortion = [-0.1, 0.02, 0.001, -0.002]"]
+    {
+        assert!(toml.contains(line), "{line} is not in {toml}");
+    }
+    assert_eq!(firstbounce(place, ["solve", "set", "--out", "results"]).code, 0);
+}

@@ -92,6 +92,8 @@ pub struct LinearLight {
     /// The noise of a photo that is combined of others, where it is known: of the exposures of a bracket by noise weight, of channels whose
     /// crosstalk was undone; `None` for one exposure as it was taken.
     pub combined_noise: Option<NoiseModel>,
+    /// Variance of a pixel over that of one as it was taken: 1, and less where distortion was undone, which mixes neighbours.
+    pub variance_share: f64,
     /// Below this fraction of the range from black to white pixels were marked dark.
     pub dark_below: f32,
     /// What the light was divided by.
@@ -181,6 +183,7 @@ pub fn linearise<I: Borrow<ImageFile>>(
         repeats: average.repeats,
         noise,
         combined_noise: None,
+        variance_share: 1.0,
         dark_below,
         exposure: options.exposure,
         files: average.files,

@@ -115,6 +115,9 @@ impl Found {
                 self.number(at, "working_distance_mm", Number::WorkingDistanceMm, working_distance_mm);
             }
         }
+        for coefficient in camera.distortion.into_iter().flatten() {
+            self.number(at, "distortion", Number::Distortion, coefficient);
+        }
         self.encoding(at, camera.encoding);
         let black = camera.black_level;
         self.number(at, "black_level", Number::BlackLevel, black);

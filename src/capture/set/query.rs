@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use firstbounce_core::image::distortion::Lens;
 use indexmap::IndexMap;
 
 use super::found::as_windows_finds;
@@ -246,6 +247,19 @@ impl CaptureSet {
 fn rename_key<T>(table: &mut IndexMap<String, T>, old: &str, new: &str) {
     if let Some(value) = table.shift_remove(old) {
         table.insert(new.to_owned(), value);
+    }
+}
+
+impl Camera {
+    /// The lens whose distortion is undone in pictures of this size; `None` for a pinhole, and for cut-outs that do not hold the
+    /// optical axis.
+    pub fn lens(&self, (width, height): (usize, usize)) -> Option<Lens> {
+        let coefficients = self.distortion.filter(|coefficients| coefficients.iter().any(|k| *k != 0.0))?;
+        let Projection::Perspective { focal_length_px, principal_point, .. } = self.projection else { return None };
+        let (width, height) = (width as f64, height as f64);
+        let [x, y] = principal_point.unwrap_or([width / 2.0, height / 2.0]);
+        let holds_axis = (0.0..width).contains(&x) && (0.0..height).contains(&y);
+        holds_axis.then_some(Lens { focal_length_px, principal_point_px: (x, y), coefficients })
     }
 }
 

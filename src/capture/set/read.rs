@@ -210,7 +210,9 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
             None => fields.item("focal_length_px").is_some(),
         },
     };
+    let distortion = if perspective { fields.get("distortion", "four numbers [k1, k2, p1, p2]", tuple) } else { None };
     Camera {
+        distortion,
         projection: if perspective { read_perspective(fields) } else { read_orthographic(fields) },
         encoding: fields.get("encoding", ENCODING, encoding),
         layer: fields.get("layer", LAYER, text),
@@ -226,7 +228,7 @@ pub(super) const ORTHOGRAPHIC: &str = "orthographic";
 pub(super) const PERSPECTIVE: &str = "perspective";
 
 fn read_orthographic(fields: &mut Fields<'_, '_>) -> Projection {
-    for key in ["focal_length_px", "principal_point", "working_distance_mm"] {
+    for key in ["focal_length_px", "principal_point", "working_distance_mm", "distortion"] {
         if fields.item(key).is_some() {
             fields.problem(key, format!("belongs to projection = \"{PERSPECTIVE}\"; this camera is {ORTHOGRAPHIC}"));
         }

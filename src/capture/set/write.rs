@@ -113,6 +113,22 @@ pub fn write_positions<'a>(
     }
 }
 
+/// `text` with the projection and the distortion of a camera that was calibrated elsewhere.
+///
+/// # Errors
+/// As [`write_calibration`].
+pub fn write_lens(text: &str, camera: &Camera) -> Result<String, SetError> {
+    let path = Path::new(FILE_NAME);
+    let mut set = CaptureSet::parse(text, path)?;
+    (set.camera.projection, set.camera.distortion) = (camera.projection, camera.distortion);
+    let problems = set.check();
+    if problems.is_empty() {
+        Ok(update_text(text, &set))
+    } else {
+        Err(SetError::Invalid { path: path.to_owned(), problems })
+    }
+}
+
 /// `text` with a measured crosstalk matrix under `[camera]`, rounded as [`write_calibration`] does.
 ///
 /// # Errors
@@ -200,7 +216,7 @@ fn write_camera(table: &mut Table, camera: &Camera) {
         Projection::Orthographic { mm_per_pixel } => {
             put_unless_default(table, "projection", ORTHOGRAPHIC, ORTHOGRAPHIC);
             put_or_remove(table, "mm_per_pixel", mm_per_pixel);
-            for key in ["focal_length_px", "principal_point", "working_distance_mm"] {
+            for key in ["focal_length_px", "principal_point", "working_distance_mm", "distortion"] {
                 table.remove(key);
             }
         }
@@ -210,6 +226,7 @@ fn write_camera(table: &mut Table, camera: &Camera) {
             put(table, "focal_length_px", focal_length_px);
             put_or_remove(table, "principal_point", principal_point.map(list));
             put(table, "working_distance_mm", working_distance_mm);
+            put_or_remove(table, "distortion", camera.distortion.map(list));
         }
     }
     let default = Camera::default();

@@ -36,7 +36,7 @@ pub enum MixingError {
         columns: usize,
     },
     /// A channel that does not see its own lamp as 1.
-    #[error("expected 1 for what channel {} sees of its own lamp, found {found}", channel + 1)]
+    #[error("expected 1 for what channel {} sees of its own lamp, found {found:?}", channel + 1)]
     Own {
         /// Index of the channel.
         channel: usize,

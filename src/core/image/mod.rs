@@ -2,6 +2,7 @@
 
 pub mod bracket;
 pub mod colour;
+pub mod distortion;
 pub mod evaluate;
 pub mod gaussian;
 pub mod mask;

@@ -12,15 +12,13 @@ use super::super::PipelineError;
 use super::balls::{BallPhotos, BallShots, needed};
 use super::direction::{MeasuredDirection, add_common_doubts, measure_direction};
 use super::position::measure_position;
+use super::unknown_crosstalk::unknown_crosstalk;
 use super::warning::Warning;
-use super::{BallCircle, BallNotFound, Calibrated, Known, MAX_HALF_WIDTHS, Preference, RatioEvidence, Source};
+use super::{BallCircle, BallNotFound, Calibrated, Known, Preference, RatioEvidence, Source};
 use crate::set::{BallValue, CaptureSet, SphereKind};
 
 /// Values by colour, where there are any, and the ratios behind them.
 type Measured = (Option<Vec<Known<f64>>>, Vec<RatioEvidence>);
-
-/// beta of one paint differs from light to light by less, as a share: balls are not perfect.
-const MAX_BETA_SPREAD: f64 = 0.01;
 
 /// A calibration on its way.
 pub(super) struct Measuring<'a> {
@@ -65,7 +63,8 @@ impl<'a> Measuring<'a> {
             self.calibrated.ratios.extend(evidence);
         }
         let (beta, evidence) = self.beta()?;
-        self.warn_of_crosstalk(&evidence);
+        let of_crosstalk = unknown_crosstalk(self.set, &self.calibrated, &evidence);
+        self.calibrated.warnings.extend(of_crosstalk.iter().map(ToString::to_string));
         self.calibrated.beta = beta;
         self.calibrated.ratios.extend(evidence);
         let mut directions = self.directions()?;
@@ -267,32 +266,6 @@ impl<'a> Measuring<'a> {
             beta.push(Known::measured(pooled, Source::MaterialBall, pixels));
         }
         Ok((Some(beta), evidence))
-    }
-
-    /// Colours that are channels of one photo and have another beta under each light: a channel sees more than its lamp. Room light
-    /// does that too, and is told by itself.
-    fn warn_of_crosstalk(&mut self, of_paint: &[RatioEvidence]) {
-        let set = self.set;
-        if set.camera.crosstalk.is_some() || !set.has_rgb_photos() {
-            return;
-        }
-        for (c, colour) in set.colours.iter().enumerate() {
-            let of_lights = of_paint.iter().filter(|evidence| evidence.colour == c).filter_map(|evidence| {
-                let grey = self.calibrated.evidence(SphereKind::Grey, evidence.light, c)?;
-                let is_offset = evidence.report.offset || grey.report.offset;
-                let (paint, alpha) = (evidence.report.ratio, grey.report.ratio);
-                let value = paint.value / alpha.value;
-                (!is_offset).then(|| (value, value * paint.relative_half_width().hypot(alpha.relative_half_width())))
-            });
-            let mut of_lights: Vec<(f64, f64)> = of_lights.collect();
-            of_lights.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-            let (Some(&low), Some(&high)) = (of_lights.first(), of_lights.last()) else { continue };
-            let (difference, half_width) = (high.0 - low.0, low.1.hypot(high.1));
-            if difference > MAX_HALF_WIDTHS * half_width && difference > MAX_BETA_SPREAD * low.0 {
-                let warning = Warning::UnknownCrosstalk { colour: &colour.name, beta: [low.0, high.0] };
-                self.calibrated.warnings.push(warning.to_string());
-            }
-        }
     }
 
     /// What the light that changes over the balls says of colour `c`, by light.

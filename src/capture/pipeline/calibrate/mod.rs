@@ -6,6 +6,7 @@ mod direction;
 mod doubt;
 mod measure;
 mod position;
+mod unknown_crosstalk;
 mod verdict;
 mod warning;
 

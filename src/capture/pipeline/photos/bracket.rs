@@ -79,6 +79,7 @@ fn combined(set: &CaptureSet, lights: &[Arc<LinearLight>]) -> Result<LinearLight
         repeats: lights.iter().map(|light| light.repeats).sum(),
         noise: None,
         combined_noise: Some(noise),
+        variance_share: 1.0,
         dark_below: least(|light| light.dark_below / light.exposure),
         exposure: 1.0,
         files: lights.iter().flat_map(|light| light.files.clone()).collect(),

@@ -8,6 +8,7 @@ mod store;
 mod subject;
 #[cfg(test)]
 mod tests;
+mod undistort;
 mod unmix;
 
 pub use exposure::Exposures;

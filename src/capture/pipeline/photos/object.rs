@@ -119,7 +119,7 @@ pub(super) fn stated_noise(set: &CaptureSet, linear: &LinearLight) -> Option<Noi
     }
     let exposure = f64::from(linear.exposure);
     if let (Some(full), Some(read)) = (set.camera.full_well_electrons, set.camera.read_noise_electrons) {
-        return Some(NoiseModel::of_camera(full, read, linear.repeats, exposure));
+        return Some(NoiseModel::of_camera(full, read, linear.repeats, exposure).scaled(linear.variance_share));
     }
     let of_repeats = linear.noise.as_ref().and_then(|noise| {
         let pairs: Vec<_> = noise.bins.iter().map(|bin| (bin.signal, bin.variance)).collect();
@@ -127,11 +127,12 @@ pub(super) fn stated_noise(set: &CaptureSet, linear: &LinearLight) -> Option<Noi
     });
     // The fit is that of one frame before it is divided by the exposure.
     let frames = linear.repeats as f64;
-    of_repeats.map(|frame| NoiseModel {
+    let of_mean = |frame: NoiseModel| NoiseModel {
         floor: frame.floor / exposure.powi(2) / frames,
         per_signal: frame.per_signal / exposure / frames,
         ..frame
-    })
+    };
+    of_repeats.map(|frame| of_mean(frame).scaled(linear.variance_share))
 }
 
 /// The share of pixels that are dark in every photo: not the object, whatever the mask says.
