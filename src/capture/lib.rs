@@ -20,6 +20,7 @@
 //! ```
 
 pub mod atomic;
+pub mod camera_file;
 pub mod export;
 pub mod guard;
 #[doc = include_str!("FORMAT.md")]

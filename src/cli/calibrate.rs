@@ -6,13 +6,14 @@ use anyhow::Context;
 use clap::Args;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::atomic::write_kept_file;
+use firstbounce_capture::camera_file::CameraFile;
 use firstbounce_capture::light_file::{CarriedLights, LightFile};
 use firstbounce_capture::open::read_text;
 use firstbounce_capture::pipeline::{
     Calibrated, CheckOptions, PhotoStore, Preference, Source, Work, calibrate_also_on_object, check_captures,
 };
 use firstbounce_capture::report::{CalibrationRecord, CaptureWarningRecord, Row};
-use firstbounce_capture::set::{write_calibration, write_positions};
+use firstbounce_capture::set::{write_calibration, write_crosstalk, write_lens, write_positions};
 use serde::Serialize;
 
 use super::circle::GivenCircle;
@@ -28,6 +29,10 @@ pub struct CalibrateArgs {
     /// Take the directions from a light file of RTI tools, by the names of photos or else in order; the balls give the rest
     #[arg(long, value_name = "FILE.lp")]
     lights_from: Option<PathBuf>,
+    /// Take focal length, principal point and distortion from a camera calibration of OpenCV (YAML, JSON or XML of its FileStorage);
+    /// with --write they are kept
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
     /// Where a ball is that is not found, or not where it is: grey, material or mirror=X,Y,RADIUS in pixels, =X,Y,X,Y,X,Y for
     /// three points of its rim, or =grey for the circle of that ball
     #[arg(long, value_name = "BALL=CIRCLE")]
@@ -55,6 +60,9 @@ pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     let terminal = Terminal::attend();
     let mut set = CaptureSet::open(&args.set.path)?;
     args.memory.check(&set, Work::Calibrate)?;
+    if let Some(path) = &args.camera {
+        CameraFile::read(path)?.put_into(&mut set, path)?;
+    }
     for circle in &args.circle {
         circle.put_into(&mut set, &terminal)?;
     }
@@ -115,6 +123,11 @@ fn write(set: &CaptureSet, calibrated: &Calibrated) -> anyhow::Result<()> {
     let mut values = calibrated.values(set);
     let positions: Vec<_> = calibrated.positions_mm(set).map(|(light, known)| (light, known.value)).collect();
     values.direction.retain(|light, _| !positions.iter().any(|(name, _)| name == light));
+    let old = write_lens(&old, &set.camera)?;
+    let measured = calibrated.crosstalk.iter().flatten().any(|known| known.source == Source::GreyBall);
+    let rows = calibrated.crosstalk_rows().filter(|_| measured);
+    // Before what was measured after it was undone.
+    let old = rows.map_or(Ok(old.clone()), |rows| write_crosstalk(&old, &rows))?;
     let new = write_positions(&write_calibration(&old, &values, &circles)?, positions)?;
     Ok(write_kept_file(&path, new.as_bytes())?)
 }

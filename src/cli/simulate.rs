@@ -37,6 +37,9 @@ pub struct SimulateArgs {
     /// What each colour's photo sees of every other colour's lamp, or a row of numbers for each photo by ;
     #[arg(long, value_name = "SHARE", value_delimiter = ';', value_parser = numbers)]
     crosstalk: Vec<Numbers>,
+    /// Colours as channels of RGB photos, and the grey ball under each lamp colour alone, too: what `calibrate` measures crosstalk on
+    #[arg(long)]
+    crosstalk_shots: bool,
     /// Albedo of the grey ball [default: 0.18, or the paint's darkest]
     #[arg(long, value_name = "ALBEDO")]
     grey: Option<f64>,
@@ -76,6 +79,7 @@ pub fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     options.truth_bounces = args.bounces;
     options.sensor.seed = args.seed;
     options.crosstalk = crosstalk(&args.crosstalk, options.albedos.len())?;
+    options.crosstalk_shots = args.crosstalk_shots;
     let balls = BallOptions { size_px: args.ball_pixels, ..BallOptions::for_paint(&options.albedos) };
     let balls = BallOptions { grey_albedo: args.grey.unwrap_or(balls.grey_albedo), ..balls };
     options.balls = (!args.no_balls).then_some(balls);

@@ -103,11 +103,12 @@ pub fn run(args: &SolveArgs, terminal: &Terminal) -> anyhow::Result<()> {
 
 impl Rig {
     fn read(path: &Path, terminal: &Terminal) -> anyhow::Result<Self> {
-        let set = CaptureSet::open(path)?;
+        let mut set = CaptureSet::open(path)?;
         let calibrated = calibrate_also_on_object(&set, Preference::File, &PhotoStore::default(), terminal)?;
         let lines: Vec<_> = calibrated.warnings.iter().map(|line| format!("the rig {}: {line}", set.title())).collect();
         print_warnings(&lines);
         let values = calibrated.values(&set);
+        set.camera.crosstalk = calibrated.crosstalk_rows();
         let record = RigRecord { name: set.title(), inputs: input_records(&set) };
         Ok(Self { set, values, record })
     }

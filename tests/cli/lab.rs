@@ -187,3 +187,70 @@ fn the_papers_experiments_are_printed_and_plotted() {
     let ran = firstbounce(place.path(), ["paper", "--size", "5"]);
     assert!(ran.failure().contains("size_px is 5"), "{}", ran.err);
 }
+
+#[test]
+fn crosstalk_of_a_simulated_set_is_measured_kept_and_undone() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    let crosstalk = ["corner", "--out", "set", "--crosstalk", "0.04", "--crosstalk-shots", "--frames", "16"];
+    assert_eq!(simulated(place, &crosstalk).code, 0);
+    simulated(place, &["corner", "--out", "pure", "--frames", "16"]);
+    let error_deg = |set: &str| {
+        let evaluation = firstbounce(place, ["evaluate", set, "--json"]).json();
+        evaluation["normal_error_deg"]["separated"]["mean"].as_f64().unwrap()
+    };
+    let (measured, pure) = (error_deg("set"), error_deg("pure"));
+    assert!((measured - pure).abs() < 0.1, "{measured} degrees, {pure} without crosstalk");
+
+    let calibrate = firstbounce(place, ["calibrate", "set", "--write", "--json"]).json();
+    let share = calibrate["crosstalk"][0][1].as_f64().unwrap();
+    let interval = &calibrate["interval"]["crosstalk"][0][1];
+    assert!((share - 0.04).abs() < 1e-3, "{calibrate}");
+    assert!(interval[0].as_f64().unwrap() < 0.04 && interval[1].as_f64().unwrap() > 0.04, "{interval}");
+    let toml = fs::read_to_string(place.join("set/capture.toml")).unwrap();
+    assert!(toml.contains("crosstalk = [[1.0, 0.0"), "{toml}");
+    // The matrix is enough without its shots.
+    fs::remove_dir_all(place.join("set/crosstalk")).unwrap();
+    let (head, shots) = toml.split_once("[[shot]]").unwrap();
+    let (shots, rest) = shots.split_once("[[sphere]]").unwrap();
+    let kept: Vec<_> = shots.split("[[shot]]").filter(|shot| !shot.contains("subject = \"crosstalk\"")).collect();
+    fs::write(place.join("set/capture.toml"), format!("{head}[[shot]]{}[[sphere]]{rest}", kept.join("[[shot]]")))
+        .unwrap();
+    let typed = error_deg("set");
+    assert!((typed - measured).abs() < 0.05, "{typed} degrees, {measured} by the shots");
+    let words = firstbounce(place, ["calibrate", "set"]).out;
+    assert!(words.contains("crosstalk, c2 lamp in channel of c1"), "{words}");
+
+    let refused = simulated(place, &["corner", "--out", "four", "--crosstalk-shots", "--no-balls"]);
+    assert!(refused.failure().contains("balls"), "{}", refused.err);
+}
+
+#[test]
+fn a_lens_is_taken_from_a_calibration_of_opencv_and_kept() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    simulated(place, &["corner", "--out", "set", "--perspective", "800"]);
+    let yaml = |width: usize, k3: f64| {
+        format!(
+            "%YAML 1.2\n---\nimage_width: {width}\nimage_height: 80\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   \
+             data: [ 600., 0., 39.5, 0., 600., 39.5, 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   \
+             dt: d\n   data: [ -0.1, 0.02, 0.001, -0.002, {k3} ]\n"
+        )
+    };
+    for (text, words) in
+        [(yaml(80, 0.3), "0.3 is not 0"), (yaml(640, 0.0), "640 x 80 pixels"), ("a: 1".into(), "no camera calibration")]
+    {
+        fs::write(place.join("camera.yml"), text).unwrap();
+        let ran = firstbounce(place, ["calibrate", "set", "--camera", "camera.yml"]);
+        assert!(ran.failure().contains(words), "{}", ran.err);
+    }
+    fs::write(place.join("camera.yml"), yaml(80, 0.0)).unwrap();
+    assert_eq!(firstbounce(place, ["calibrate", "set", "--camera", "camera.yml", "--write"]).code, 0);
+    let toml = fs::read_to_string(place.join("set/capture.toml")).unwrap();
+    for line in
+        ["focal_length_px = 600.0", "principal_point = [40.0, 40.0]", "distortion = [-0.1, 0.02, 0.001, -0.002]"]
+    {
+        assert!(toml.contains(line), "{line} is not in {toml}");
+    }
+    assert_eq!(firstbounce(place, ["solve", "set", "--out", "results"]).code, 0);
+}

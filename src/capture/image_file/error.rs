@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use firstbounce_core::image::bracket::BracketError;
+use firstbounce_core::image::distortion::DistortionError;
 
 use super::{Channel, Format};
 
@@ -24,6 +25,14 @@ pub enum ImageError {
         path: PathBuf,
         /// Why.
         reason: BracketError,
+    },
+    /// The distortion of the lens cannot be undone.
+    #[error("{}: {reason}", path.display())]
+    Distortion {
+        /// The photo.
+        path: PathBuf,
+        /// Why.
+        reason: DistortionError,
     },
     /// Zero bytes.
     #[error("{}: the file is empty; copy or export it again", path.display())]

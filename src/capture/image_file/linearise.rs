@@ -89,8 +89,11 @@ pub struct LinearLight {
     pub repeats: usize,
     /// The noise by signal, from the differences between the repeats; `None` for one file.
     pub noise: Option<RepeatNoise>,
-    /// The noise of a bracket, whose exposures were combined by noise weight; `None` for one exposure.
-    pub bracket_noise: Option<NoiseModel>,
+    /// The noise of a photo that is combined of others, where it is known: of the exposures of a bracket by noise weight, of channels whose
+    /// crosstalk was undone; `None` for one exposure as it was taken.
+    pub combined_noise: Option<NoiseModel>,
+    /// Variance of a pixel over that of one as it was taken: 1, and less where distortion was undone, which mixes neighbours.
+    pub variance_share: f64,
     /// Below this fraction of the range from black to white pixels were marked dark.
     pub dark_below: f32,
     /// What the light was divided by.
@@ -179,7 +182,8 @@ pub fn linearise<I: Borrow<ImageFile>>(
         photo,
         repeats: average.repeats,
         noise,
-        bracket_noise: None,
+        combined_noise: None,
+        variance_share: 1.0,
         dark_below,
         exposure: options.exposure,
         files: average.files,

@@ -58,7 +58,9 @@ pub use head::{PictureSize, picture_metadata, picture_size};
 pub use linearise::{FileFacts, LinearLight, LinearOptions, linearise, linearise_files};
 pub use mask::{MaskFile, read_mask};
 pub use metadata::{Metadata, StatedCurve, TakenAt};
-pub use png_out::{GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png};
+pub use png_out::{
+    GreenAxis, GreyBits, grey8_png, grey16_png, mask_png, normals_png, preview_png, rgb8_png, rgb16_png,
+};
 pub use read::{Content, ReadOptions, read_image, read_image_as};
 pub use repeats::{NoiseBin, RepeatNoise};
 pub use subprocess::{DECODE_COMMAND, DecodeLimits, decode_for_parent, decode_in};

@@ -78,6 +78,24 @@ pub fn grey8_png(plane: &Plane, white: f32) -> Result<Vec<u8>, ImageError> {
     encode_rows("grey", &[plane], L8, |[value]| [[store(value)]])
 }
 
+/// A colour 16-bit PNG of red, green and blue: 0 is stored as 0, `white` as 65535, values beyond are clipped.
+///
+/// # Errors
+/// [`ImageError::UnequalPlanes`] unless the three planes are of one size.
+pub fn rgb16_png(planes: [&Plane; 3], white: f32) -> Result<Vec<u8>, ImageError> {
+    let store = |value: f32| ((value / white * 65535.0).round() as u16).to_ne_bytes();
+    encode_rows("colour", &planes, Rgb16, |values: [f32; 3]| values.map(store))
+}
+
+/// A colour 8-bit PNG: 0 is stored as 0, `white` as 255, values beyond are clipped.
+///
+/// # Errors
+/// As [`rgb16_png`].
+pub fn rgb8_png(planes: [&Plane; 3], white: f32) -> Result<Vec<u8>, ImageError> {
+    let store = |value: f32| [(value / white * 255.0).round() as u8];
+    encode_rows("colour", &planes, Rgb8, |values: [f32; 3]| values.map(store))
+}
+
 /// A mask as an 8-bit grey PNG: 255 inside, 0 outside.
 ///
 /// # Errors

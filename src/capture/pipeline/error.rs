@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use firstbounce_core::calibrate::CalibrateError;
 use firstbounce_core::denoise::DenoiseError;
+use firstbounce_core::image::mixing::MixingError;
 use firstbounce_core::mesh::MeshError;
 use firstbounce_core::mesh::decimate::DecimateError;
 use firstbounce_core::methods::by_shape::ByShapeError;
@@ -111,6 +112,9 @@ pub enum PipelineError {
         /// Which.
         ball: SphereKind,
     },
+    /// Crosstalk between channels.
+    #[error("crosstalk: {0}")]
+    Crosstalk(MixingError),
     /// Nothing tells a light's alpha.
     #[error(
         "nothing tells alpha of light \"{light}\": photograph a grey ball under it in every colour, or type [calibration.alpha]"

@@ -132,10 +132,12 @@ pub fn estimate_memory(set: &CaptureSet, work: Work) -> MemoryEstimate {
     let mut decoding: Vec<u64> =
         [&balls, &object, &corrections].into_iter().flat_map(Pictures::decoding_bytes).collect();
     decoding.sort_unstable_by(|a, b| b.cmp(a));
+    // Photos whose crosstalk is undone lie beside those that were read.
+    let photo_bytes = if set.has_crosstalk() { 2 * PHOTO_BYTES } else { PHOTO_BYTES };
     let mut estimate = MemoryEstimate {
-        kept_bytes: PROGRAM_BYTES + PHOTO_BYTES * object.photo_pixels(),
+        kept_bytes: PROGRAM_BYTES + photo_bytes * object.photo_pixels(),
         decoding_bytes: decoding.iter().take(rayon::current_num_threads()).sum(),
-        calibration_bytes: PHOTO_BYTES * balls.photo_pixels() + (100 + 10 * lights) * balls.pixels(),
+        calibration_bytes: photo_bytes * balls.photo_pixels() + (100 + 10 * lights) * balls.pixels(),
         stages_bytes: match work {
             Work::Truth => 500 * object.pixels(),
             _ => (215 + (20 + 8 * bounces) * lights) * object.pixels(),

@@ -4,6 +4,7 @@ mod calibrate;
 mod checks;
 mod compare;
 mod cost;
+mod crosstalk;
 mod error;
 mod evaluate;
 mod memory;
@@ -29,6 +30,7 @@ pub use compare::{
     Comparable, Compared, Frame, ReferenceError, Registration, alignment_warnings, compare_meshes, read_comparable,
 };
 pub use cost::{StageCost, peak_rss_bytes};
+pub use crosstalk::{KnownCrosstalk, with_crosstalk};
 pub use error::PipelineError;
 pub use evaluate::{Angles, Evaluation, MethodErrors, NayarErrors, NayarIteration, NormalErrors, evaluate};
 pub use memory::{

@@ -62,6 +62,7 @@ impl<'a> Scene<'a> {
         let calibrated = Calibrated {
             alpha: kept(&of_all.alpha, &used),
             beta: of_all.beta.clone(),
+            crosstalk: of_all.crosstalk.clone(),
             intensity: kept(&of_all.intensity, &used),
             grey_light: of_all.grey_light,
             direction: kept(&of_all.direction, &used),

@@ -115,6 +115,9 @@ impl Found {
                 self.number(at, "working_distance_mm", Number::WorkingDistanceMm, working_distance_mm);
             }
         }
+        for coefficient in camera.distortion.into_iter().flatten() {
+            self.number(at, "distortion", Number::Distortion, coefficient);
+        }
         self.encoding(at, camera.encoding);
         let black = camera.black_level;
         self.number(at, "black_level", Number::BlackLevel, black);
@@ -124,6 +127,9 @@ impl Found {
         }
         self.maybe_number(at, "full_well_electrons", Number::FullWellElectrons, camera.full_well_electrons);
         self.maybe_number(at, "read_noise_electrons", Number::ReadNoiseElectrons, camera.read_noise_electrons);
+        for share in camera.crosstalk.iter().flatten().flatten() {
+            self.number(at, "crosstalk", Number::Crosstalk, *share);
+        }
         match (camera.read_noise_electrons, camera.full_well_electrons) {
             (Some(_), None) => {
                 let message = "needs full_well_electrons beside it, which scales electrons to light";

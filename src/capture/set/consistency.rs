@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use firstbounce_core::image::mixing::Mixing;
 use firstbounce_core::separate::MIN_BETA_DISTANCE;
 
 use super::method::Method;
@@ -43,6 +44,7 @@ impl CaptureSet {
         if problems.is_empty() {
             self.check_missing_shots(&mut problems);
         }
+        self.check_crosstalk(&mut problems);
         self.check_spheres(&mut problems);
         self.check_calibration(&mut problems);
         self.check_bounces(&mut problems);
@@ -129,6 +131,31 @@ impl CaptureSet {
                     Problem::of_part(Location::Light(index), message)
                 }));
             }
+        }
+    }
+
+    /// A typed matrix can be undone, and shots that measure one show every lamp colour in channels of their own.
+    fn check_crosstalk(&self, problems: &mut Vec<Problem>) {
+        if let Some(rows) = &self.camera.crosstalk
+            && let Err(reason) = Mixing::new(rows, self.colours.len())
+        {
+            problems.push(Problem::of_key(Location::Camera, "crosstalk", reason.to_string()));
+        }
+        let mut shots = self.shots.iter().enumerate().filter(|(_, shot)| shot.subject == Subject::Crosstalk);
+        let Some((first, _)) = shots.next() else { return };
+        let channels: HashSet<_> = self.colours.iter().map(|colour| colour.channel.word()).collect();
+        if channels.len() < self.colours.len() || self.colours.iter().any(|colour| colour.channel == Channel::Grey) {
+            let message =
+                "crosstalk is between the channels of one photo: give each [[colour]] a channel of its own, r, g or b";
+            problems.push(Problem::of_part(Location::Shot(first), message));
+        }
+        let lit: HashSet<&str> = self.shots_of(Subject::Crosstalk).filter_map(|shot| shot.colour.as_deref()).collect();
+        if let Some(colour) = self.colours.iter().find(|colour| !lit.contains(colour.name.as_str())) {
+            let message = format!(
+                "no crosstalk shot under {:?} alone; photograph the grey ball under each lamp colour alone",
+                colour.name
+            );
+            problems.push(Problem::of_part(Location::Shot(first), message));
         }
     }
 

@@ -211,6 +211,10 @@ pub(super) fn numbers(item: &Item) -> Option<Vec<f64>> {
     item.as_array()?.iter().map(finite).collect()
 }
 
+pub(super) fn rows(item: &Item) -> Option<Vec<Vec<f64>>> {
+    item.as_array()?.iter().map(|row| row.as_array()?.iter().map(finite).collect()).collect()
+}
+
 pub(super) fn tuple<const N: usize>(item: &Item) -> Option<[f64; N]> {
     numbers(item)?.try_into().ok()
 }

@@ -42,4 +42,4 @@ pub use rig::CarriedRig;
 pub(crate) use rule::is_usable_name;
 pub use table::{ShotCell, ShotRow, ShotTable};
 pub use word::Word;
-pub use write::{update_text, write_calibration, write_positions};
+pub use write::{update_text, write_calibration, write_crosstalk, write_lens, write_positions};

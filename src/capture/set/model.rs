@@ -61,6 +61,11 @@ pub struct Camera {
     pub full_well_electrons: Option<f64>,
     /// Standard deviation of the read noise in electrons, where known. Optional in the file.
     pub read_noise_electrons: Option<f64>,
+    /// k1, k2, p1 and p2 of the lens as OpenCV defines them, of a camera with perspective; `None` for a pinhole. Optional in the file.
+    pub distortion: Option<[f64; 4]>,
+    /// What the channel of each colour (row) sees of the lamp of each colour (column), over what that lamp's own channel sees of it;
+    /// `None`: as `crosstalk` shots show, or nothing. Optional in the file.
+    pub crosstalk: Option<Vec<Vec<f64>>>,
 }
 
 /// How space becomes pixels.

@@ -26,6 +26,10 @@ pub enum Number {
     FullWellElectrons,
     /// `read_noise_electrons`.
     ReadNoiseElectrons,
+    /// A coefficient of `distortion`.
+    Distortion,
+    /// A number of `crosstalk`.
+    Crosstalk,
     /// A component of a direction.
     Direction,
     /// A coordinate of `position_mm`.
@@ -60,7 +64,7 @@ pub enum Number {
 
 impl Number {
     /// Every number of the format.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 26] = [
         Self::MmPerPixel,
         Self::FocalLengthPx,
         Self::PrincipalPoint,
@@ -70,6 +74,8 @@ impl Number {
         Self::WhiteLevel,
         Self::FullWellElectrons,
         Self::ReadNoiseElectrons,
+        Self::Distortion,
+        Self::Crosstalk,
         Self::Direction,
         Self::PositionMm,
         Self::Exposure,
@@ -99,6 +105,8 @@ impl Number {
             Self::WhiteLevel => 1e-9..=1e9,
             Self::FullWellElectrons => 1.0..=1e20,
             Self::ReadNoiseElectrons => 0.0..=1e6,
+            Self::Distortion => -100.0..=100.0,
+            Self::Crosstalk => -1.0..=1.0,
             Self::Direction => -1e6..=1e6,
             Self::PositionMm => -1e7..=1e7,
             Self::Exposure => 1e-9..=1e9,

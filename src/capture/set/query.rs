@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use firstbounce_core::image::distortion::Lens;
 use indexmap::IndexMap;
 
 use super::found::as_windows_finds;
@@ -96,6 +97,8 @@ impl CaptureSet {
         let mut set = self.clone();
         set.colours.truncate(1);
         set.shots.retain(|shot| shot.colour.is_none() || shot.colour == reference);
+        set.camera.crosstalk = None;
+        set.shots.retain(|shot| shot.subject != Subject::Crosstalk);
         set.calibration.beta = None;
         set.calibration.alpha.clear();
         set.separation = Separation::default();
@@ -120,6 +123,21 @@ impl CaptureSet {
     /// The layer of a shot's files: its own or the camera's.
     pub fn layer_of<'s>(&'s self, shot: &'s Shot) -> Option<&'s str> {
         shot.layer.as_deref().or(self.camera.layer.as_deref())
+    }
+
+    /// Whether light is taken from one channel to another: the file gives crosstalk, or shots show it.
+    pub fn has_crosstalk(&self) -> bool {
+        self.camera.crosstalk.is_some() || self.shots_of(Subject::Crosstalk).next().is_some()
+    }
+
+    /// Whether photos of the object hold several colours, each in a channel.
+    pub fn has_rgb_photos(&self) -> bool {
+        let of_object = || self.shots_of(Subject::Object);
+        let shares = |shot: &Shot| {
+            of_object()
+                .any(|other| other.files == shot.files && other.light == shot.light && other.colour != shot.colour)
+        };
+        of_object().next().is_some_and(shares)
     }
 
     /// The channel of a shot's files that holds its colour; the mean of all where it names none.
@@ -229,6 +247,19 @@ impl CaptureSet {
 fn rename_key<T>(table: &mut IndexMap<String, T>, old: &str, new: &str) {
     if let Some(value) = table.shift_remove(old) {
         table.insert(new.to_owned(), value);
+    }
+}
+
+impl Camera {
+    /// The lens whose distortion is undone in pictures of this size; `None` for a pinhole, and for cut-outs that do not hold the
+    /// optical axis.
+    pub fn lens(&self, (width, height): (usize, usize)) -> Option<Lens> {
+        let coefficients = self.distortion.filter(|coefficients| coefficients.iter().any(|k| *k != 0.0))?;
+        let Projection::Perspective { focal_length_px, principal_point, .. } = self.projection else { return None };
+        let (width, height) = (width as f64, height as f64);
+        let [x, y] = principal_point.unwrap_or([width / 2.0, height / 2.0]);
+        let holds_axis = (0.0..width).contains(&x) && (0.0..height).contains(&y);
+        holds_axis.then_some(Lens { focal_length_px, principal_point_px: (x, y), coefficients })
     }
 }
 

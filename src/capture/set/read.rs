@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use firstbounce_core::stereo::normals::Paint;
 use toml_edit::{Document, Item, TableLike};
 
-use super::fields::{ENCODING, Fields, Reader, count, encoding, number, numbers, text, texts, tuple, word};
+use super::fields::{ENCODING, Fields, Reader, count, encoding, number, numbers, rows, text, texts, tuple, word};
 use super::method::Method;
 use super::model::*;
 use super::number::{Number, vector_words};
@@ -210,7 +210,9 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
             None => fields.item("focal_length_px").is_some(),
         },
     };
+    let distortion = if perspective { fields.get("distortion", "four numbers [k1, k2, p1, p2]", tuple) } else { None };
     Camera {
+        distortion,
         projection: if perspective { read_perspective(fields) } else { read_orthographic(fields) },
         encoding: fields.get("encoding", ENCODING, encoding),
         layer: fields.get("layer", LAYER, text),
@@ -218,6 +220,7 @@ fn read_camera(fields: &mut Fields<'_, '_>) -> Camera {
         white_level: fields.get("white_level", &Number::WhiteLevel.words(), number),
         full_well_electrons: fields.get("full_well_electrons", &Number::FullWellElectrons.words(), number),
         read_noise_electrons: fields.get("read_noise_electrons", &Number::ReadNoiseElectrons.words(), number),
+        crosstalk: fields.get("crosstalk", "a list of rows of numbers, one row per colour", rows),
     }
 }
 
@@ -225,7 +228,7 @@ pub(super) const ORTHOGRAPHIC: &str = "orthographic";
 pub(super) const PERSPECTIVE: &str = "perspective";
 
 fn read_orthographic(fields: &mut Fields<'_, '_>) -> Projection {
-    for key in ["focal_length_px", "principal_point", "working_distance_mm"] {
+    for key in ["focal_length_px", "principal_point", "working_distance_mm", "distortion"] {
         if fields.item(key).is_some() {
             fields.problem(key, format!("belongs to projection = \"{PERSPECTIVE}\"; this camera is {ORTHOGRAPHIC}"));
         }

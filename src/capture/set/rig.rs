@@ -54,6 +54,12 @@ impl CaptureSet {
         let columns: Option<Vec<usize>> = columns.into_iter().collect();
         let reference = columns.as_ref().and_then(|columns| columns.first().copied());
 
+        // The camera belongs to the rig. Of a part of the colours alone crosstalk cannot be undone.
+        let rows = other.camera.crosstalk.as_ref().zip(columns.as_ref());
+        if let Some((rows, columns)) = rows.filter(|(rows, columns)| rows.len() == columns.len()) {
+            self.camera.crosstalk = columns.iter().map(|row| picked(rows.get(*row)?, columns)).collect();
+        }
+
         let mut strengths = Vec::new();
         for light in &mut self.lights {
             let Some(theirs) = other.lights.iter().find(|theirs| theirs.name == light.name) else {
@@ -114,10 +120,13 @@ impl CaptureSet {
     }
 }
 
+fn picked(values: &[f64], columns: &[usize]) -> Option<Vec<f64>> {
+    columns.iter().map(|&column| values.get(column).copied()).collect()
+}
+
 /// The ratios of some colours, over the first of them.
 fn chosen(ratios: &[f64], columns: &[usize]) -> Option<Vec<f64>> {
-    let picked: Option<Vec<f64>> = columns.iter().map(|&column| ratios.get(column).copied()).collect();
-    let picked = picked?;
+    let picked = picked(ratios, columns)?;
     let reference = picked.first().copied().filter(|reference| *reference > 0.0)?;
     Some(picked.iter().map(|ratio| ratio / reference).collect())
 }

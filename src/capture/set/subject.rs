@@ -20,6 +20,8 @@ pub enum Subject {
     Dark,
     /// A uniform field: divided by.
     FlatField,
+    /// The grey ball under the lamp of one colour alone, seen in every channel: gives the crosstalk between them.
+    Crosstalk,
 }
 
 /// What a ball is made of.
@@ -198,6 +200,15 @@ impl Subject {
                 colour: Optional,
                 names: &["flat-field", "flat", "white", "weißbild", "平场", "フラット"],
             },
+            Self::Crosstalk => SubjectRow {
+                word: "crosstalk",
+                title: "Crosstalk",
+                sphere: None,
+                matte: false,
+                light: Required,
+                colour: Required,
+                names: &["cross-talk", "übersprechen", "diaphonie", "diafonía", "diafonia", "串扰", "クロストーク"],
+            },
         }
     }
 
@@ -356,8 +367,15 @@ impl SphereKind {
 }
 
 impl Word for Subject {
-    const ALL: &'static [Self] =
-        &[Self::Object, Self::GreySphere, Self::MaterialSphere, Self::MirrorSphere, Self::Dark, Self::FlatField];
+    const ALL: &'static [Self] = &[
+        Self::Object,
+        Self::GreySphere,
+        Self::MaterialSphere,
+        Self::MirrorSphere,
+        Self::Dark,
+        Self::FlatField,
+        Self::Crosstalk,
+    ];
 
     fn word(self) -> &'static str {
         self.row().word

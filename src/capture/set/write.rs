@@ -113,6 +113,40 @@ pub fn write_positions<'a>(
     }
 }
 
+/// `text` with the projection and the distortion of a camera that was calibrated elsewhere.
+///
+/// # Errors
+/// As [`write_calibration`].
+pub fn write_lens(text: &str, camera: &Camera) -> Result<String, SetError> {
+    let path = Path::new(FILE_NAME);
+    let mut set = CaptureSet::parse(text, path)?;
+    (set.camera.projection, set.camera.distortion) = (camera.projection, camera.distortion);
+    let problems = set.check();
+    if problems.is_empty() {
+        Ok(update_text(text, &set))
+    } else {
+        Err(SetError::Invalid { path: path.to_owned(), problems })
+    }
+}
+
+/// `text` with a measured crosstalk matrix under `[camera]`, rounded as [`write_calibration`] does.
+///
+/// # Errors
+/// As [`write_calibration`].
+pub fn write_crosstalk(text: &str, rows: &[Vec<f64>]) -> Result<String, SetError> {
+    let path = Path::new(FILE_NAME);
+    let mut set = CaptureSet::parse(text, path)?;
+    let old = set.camera.crosstalk.take().unwrap_or_default();
+    let row = |(index, row): (usize, &Vec<f64>)| rounded_list(old.get(index).map(Vec::as_slice), row);
+    set.camera.crosstalk = Some(rows.iter().enumerate().map(row).collect());
+    let problems = set.check();
+    if problems.is_empty() {
+        Ok(update_text(text, &set))
+    } else {
+        Err(SetError::Invalid { path: path.to_owned(), problems })
+    }
+}
+
 fn merge_calibration(old: &mut Calibration, measured: &Calibration) {
     if let Some(beta) = &measured.beta {
         old.beta = Some(rounded_list(old.beta.as_deref(), beta));
@@ -182,7 +216,7 @@ fn write_camera(table: &mut Table, camera: &Camera) {
         Projection::Orthographic { mm_per_pixel } => {
             put_unless_default(table, "projection", ORTHOGRAPHIC, ORTHOGRAPHIC);
             put_or_remove(table, "mm_per_pixel", mm_per_pixel);
-            for key in ["focal_length_px", "principal_point", "working_distance_mm"] {
+            for key in ["focal_length_px", "principal_point", "working_distance_mm", "distortion"] {
                 table.remove(key);
             }
         }
@@ -192,6 +226,7 @@ fn write_camera(table: &mut Table, camera: &Camera) {
             put(table, "focal_length_px", focal_length_px);
             put_or_remove(table, "principal_point", principal_point.map(list));
             put(table, "working_distance_mm", working_distance_mm);
+            put_or_remove(table, "distortion", camera.distortion.map(list));
         }
     }
     let default = Camera::default();
@@ -203,6 +238,8 @@ fn write_camera(table: &mut Table, camera: &Camera) {
     put_or_remove(table, "white_level", camera.white_level.map(level_value));
     put_or_remove(table, "full_well_electrons", camera.full_well_electrons.map(level_value));
     put_or_remove(table, "read_noise_electrons", camera.read_noise_electrons);
+    let rows = camera.crosstalk.as_ref().map(|rows| list(rows.iter().map(|row| list(row.iter().copied()))));
+    put_or_remove(table, "crosstalk", rows);
 }
 
 /// Stored levels are whole numbers in most files, and read better as such.

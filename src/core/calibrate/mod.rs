@@ -4,6 +4,7 @@
 //! The intervals take in the scatter between regions of the ball (see [`crate::interval`]) and the error of the circle.
 
 mod agreement;
+mod crosstalk;
 mod direction;
 mod error;
 mod highlight;
@@ -13,6 +14,7 @@ mod position;
 mod ratio;
 
 pub use agreement::{CombinedDirection, DirectionSource, Disagreement, SourcedDirection, combine_directions};
+pub use crosstalk::{CrosstalkOptions, CrosstalkReport, measure_crosstalk, pool_shares};
 pub use direction::{DirectionEstimate, ShadingOptions, ShadingReport, direction_from_shading};
 pub use error::CalibrateError;
 pub use highlight::{Highlight, HighlightOptions, HighlightReport, find_highlights};

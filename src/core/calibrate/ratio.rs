@@ -111,7 +111,7 @@ pub fn measure_ratio(
 
 /// y over x of all regions together, and by how much y grows with x from region to region (least squares of the regions'
 /// means, weighted by their pixels; the noise of a mean is too small to flatten the line).
-fn ratio_and_slope(regions: impl Iterator<Item = (usize, f64, f64)>) -> Option<Vector2<f64>> {
+pub(super) fn ratio_and_slope(regions: impl Iterator<Item = (usize, f64, f64)>) -> Option<Vector2<f64>> {
     let (mut count, mut x, mut y, mut xx, mut xy) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for (pixels, sum_x, sum_y) in regions.filter(|&(pixels, ..)| pixels > 0) {
         let pixels = pixels as f64;

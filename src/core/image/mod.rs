@@ -2,9 +2,11 @@
 
 pub mod bracket;
 pub mod colour;
+pub mod distortion;
 pub mod evaluate;
 pub mod gaussian;
 pub mod mask;
+pub mod mixing;
 pub mod noise;
 pub mod normal_map;
 pub mod photo;

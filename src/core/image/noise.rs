@@ -71,6 +71,11 @@ impl NoiseModel {
         Some(Self { floor, per_signal, source })
     }
 
+    /// The same with this share of the variance.
+    pub fn scaled(self, share: f64) -> Self {
+        Self { floor: self.floor * share, per_signal: self.per_signal * share, ..self }
+    }
+
     /// Variance at this linear light.
     pub fn variance(&self, light: f64) -> f64 {
         self.floor + self.per_signal * light.max(0.0)

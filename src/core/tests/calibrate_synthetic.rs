@@ -253,3 +253,45 @@ fn sources_that_disagree_are_named() {
     let agreed = [sources[1].clone(), SourcedDirection { source: DirectionSource::Typed, direction: shading }];
     assert!(combine_directions(&agreed, 1.0).unwrap().disagreements.is_empty());
 }
+
+#[test]
+fn crosstalk_lies_in_its_interval_also_where_the_other_channel_is_all_but_dark() {
+    let options = CrosstalkOptions::default();
+    let (mut inside, mut all) = (0, 0);
+    for (seed, share) in [(31, 0.0), (32, 0.0005), (33, 0.04), (34, 0.2)] {
+        for direction in lamps() {
+            let noise = Noise::new(seed);
+            let own = photograph(&noise, matt(0.6, direction));
+            let other = photograph(&noise, matt(0.6 * share, direction));
+            let found = measure_crosstalk(&[&other, &own], 1, &ball(), &options).unwrap();
+            assert_eq!(found.shares[1].value, 1.0);
+            assert!((found.shares[0].value - share).abs() < 2e-4, "{:?} for {share}", found.shares[0]);
+            inside += usize::from(found.shares[0].interval.contains(share));
+            all += 1;
+        }
+    }
+    assert!(inside + 1 >= all, "{inside} of {all}");
+}
+
+#[test]
+fn crosstalk_in_room_light_has_an_interval_that_holds_the_truth() {
+    let noise = Noise::new(41);
+    for direction in lamps() {
+        let own = photograph(&noise, matt(0.5, direction));
+        let other = photograph(&noise, |x, y| 0.02 * matt(1.0, direction)(x, y) + 0.01);
+        let found = measure_crosstalk(&[&own, &other], 0, &ball(), &CrosstalkOptions::default()).unwrap();
+        assert!(found.shares[1].value > 0.05 && found.shares[1].interval.contains(0.04), "{:?}", found.shares[1]);
+    }
+}
+
+#[test]
+fn crosstalk_shots_of_several_sizes_or_of_too_few_pixels_are_refused() {
+    let photo = photograph(&Noise::new(51), matt(0.5, lamps()[0]));
+    let small = Photo::unmarked(Plane::filled(10, 10, 0.1));
+    let measured =
+        |channels: &[&Photo], ball: &Ball| measure_crosstalk(channels, 0, ball, &CrosstalkOptions::default());
+    assert!(matches!(measured(&[&photo, &small], &ball()), Err(CalibrateError::SizesDiffer { .. })));
+    let tiny = Ball::new(Circle { radius_px: 5.0, ..CIRCLE }, View::Orthographic);
+    assert!(matches!(measured(&[&photo, &photo], &tiny), Err(CalibrateError::TooFewPixels { .. })));
+    assert!(matches!(measured(&[], &ball()), Err(CalibrateError::NothingMeasured { .. })));
+}

@@ -57,6 +57,8 @@ pub struct StoredPhoto {
     pub light: usize,
     /// Index of the colour; `None` for a mirror ball.
     pub colour: Option<usize>,
+    /// Index of the colour of the only lamp that was on; `None` where all of the light were.
+    pub alone: Option<usize>,
     /// Stored values, whole numbers.
     pub stored: Plane,
 }

@@ -155,6 +155,9 @@ pub struct SimulateOptions {
     pub exposure: Exposure,
     /// What each colour's photo sees of the other colours' lamps; `None` for nothing.
     pub crosstalk: Option<Crosstalk>,
+    /// Store the colours as channels of one RGB photo, and photograph the grey ball under each lamp colour alone, too: what crosstalk is
+    /// measured on. For up to three colours.
+    pub crosstalk_shots: bool,
     /// The calibration balls; `None` for a set that lacks them.
     pub balls: Option<BallOptions>,
 }
@@ -178,6 +181,7 @@ impl Default for SimulateOptions {
             sensor: Sensor { frames: 16, ..Sensor::default() },
             exposure: Exposure::Brightest(0.85),
             crosstalk: None,
+            crosstalk_shots: false,
             balls: Some(BallOptions::for_paint(&albedos)),
             albedos,
         }
@@ -235,6 +239,17 @@ impl SimulateOptions {
         }
         if let Some(balls) = self.balls.filter(|balls| !is_albedo(balls.grey_albedo)) {
             return Err(SimulateError::BadAlbedo { albedo: balls.grey_albedo });
+        }
+        if self.crosstalk_shots {
+            let channels = self.colours.len();
+            check_range("the number of colours of RGB photos", channels as f64, (2..=3).contains(&channels), "2 or 3")?;
+            let what = "balls of crosstalk shots";
+            check_range(
+                what,
+                f64::from(u8::from(self.balls.is_some())),
+                self.balls.is_some(),
+                "1: do not leave the balls out",
+            )?;
         }
         match self.exposure {
             Exposure::Brightest(light) => {

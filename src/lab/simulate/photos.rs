@@ -45,7 +45,7 @@ pub(super) fn photograph(
                 let colour = (!subject.is_shiny_ball()).then_some(c);
                 let stream = (photos.len() + 1) as u64;
                 let stored = studio.levels.stored(&options.sensor.expose(light, stream)?);
-                photos.push(StoredPhoto { subject, light: l, colour, stored });
+                photos.push(StoredPhoto { subject, light: l, colour, alone: None, stored });
             }
             done += 1.0;
             watch.progress(done / steps);
@@ -53,6 +53,19 @@ pub(super) fn photograph(
         circles.extend(studio.sphere(subject));
     }
 
+    if options.crosstalk_shots {
+        for (lamp, c) in (0..colours).flat_map(|lamp| (0..colours).map(move |c| (lamp, c))) {
+            let light = &studio.alone(lamp)?[c];
+            let stored = studio.levels.stored(&options.sensor.expose(light, (photos.len() + 1) as u64)?);
+            photos.push(StoredPhoto {
+                subject: Subject::Crosstalk,
+                light: 0,
+                colour: Some(c),
+                alone: Some(lamp),
+                stored,
+            });
+        }
+    }
     let set = capture_set(&studio, &photos, circles);
     if let Some(problem) = set.check().into_iter().next() {
         return Err(SimulateError::Set(problem));
@@ -175,6 +188,15 @@ impl<'a> Studio<'a> {
         self.mixed(colours)
     }
 
+    /// The grey ball under the first light's lamp of one colour alone, in each channel.
+    fn alone(&self, lamp: usize) -> Result<Vec<Plane>, SimulateError> {
+        let Some(balls) = self.options.balls else { return Ok(Vec::new()) };
+        let light = self.options.lamps[0].lamp();
+        let facing = self.ball(balls).matt(&light.stereo(), light.intensity());
+        let factor = |c: usize| if c == lamp { self.alpha[0][c] * self.scale * balls.grey_albedo } else { 0.0 };
+        self.mixed((0..self.alpha[0].len()).map(|c| scaled(&facing, factor(c) as f32)).collect())
+    }
+
     fn mirror_ball(&self, balls: BallOptions, l: usize) -> Plane {
         let lamp = &self.options.lamps[l];
         let spot = LampSpot { half_angle_deg: lamp.half_angle_deg(), light: MIRRORED_LAMP, room: MIRRORED_ROOM };
@@ -269,7 +291,9 @@ fn capture_set(studio: &Studio, photos: &[StoredPhoto], spheres: Vec<Sphere>) ->
         read_noise_electrons: has_noise.then_some(sensor.read_noise_electrons * frames.sqrt()),
         ..set::Camera::default()
     };
-    let colour = |name: &String| Colour { name: name.clone(), channel: Channel::Grey };
+    let channels = if options.crosstalk_shots { [Channel::R, Channel::G, Channel::B] } else { [Channel::Grey; 3] };
+    let channel = |c: usize| channels.get(c).copied().unwrap_or_default();
+    let colour = |(c, name): (usize, &String)| Colour { name: name.clone(), channel: channel(c) };
     let light = |lamp: &super::LampOptions| Light {
         name: lamp.name.clone(),
         direction: None,
@@ -283,21 +307,32 @@ fn capture_set(studio: &Studio, photos: &[StoredPhoto], spheres: Vec<Sphere>) ->
         calibration,
         mask: Some("mask.png".into()),
         camera,
-        colours: options.colours.iter().map(colour).collect(),
+        colours: options.colours.iter().enumerate().map(colour).collect(),
         lights: options.lamps.iter().map(light).collect(),
         spheres,
         ..CaptureSet::default()
     };
-    set.shots = photos.iter().map(|photo| shot(&set, photo)).collect();
+    // One shot for all channels of a photo under one lamp colour.
+    let taken = photos.iter().filter(|photo| photo.alone.is_none() || photo.colour == Some(0));
+    set.shots = taken.map(|photo| shot(&set, photo)).collect();
     set
 }
 
 fn shot(set: &CaptureSet, photo: &StoredPhoto) -> Shot {
     let light = set.lights[photo.light].name.clone();
     let colour = photo.colour.map(|c| set.colours[c].name.clone());
-    let end = colour.as_ref().map_or_else(String::new, |colour| format!("-{colour}"));
-    let files = vec![format!("{}/{light}{end}.png", photo.subject)];
+    let files = vec![file_name(set, photo)];
+    let colour = photo.alone.map(|lamp| set.colours[lamp].name.clone()).or(colour);
     Shot { subject: photo.subject, light: Some(light), colour, files, ..Shot::default() }
+}
+
+/// Where the photo lies in the set's folder: colours that are channels of one photo have one file.
+pub(super) fn file_name(set: &CaptureSet, photo: &StoredPhoto) -> String {
+    let light = &set.lights[photo.light].name;
+    let named = |c: usize| format!("-{}", set.colours[c].name);
+    let is_channel = |c: &usize| set.colours[*c].channel != Channel::Grey;
+    let end = photo.alone.map(named).or_else(|| photo.colour.filter(|c| !is_channel(c)).map(named));
+    format!("{}/{light}{}.png", photo.subject, end.unwrap_or_default())
 }
 
 fn indirect_share(rendering: &Rendering) -> f64 {

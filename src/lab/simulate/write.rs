@@ -8,10 +8,12 @@ use firstbounce_core::Plane;
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use super::photos::file_name;
 use super::{SimulateError, SimulateOptions, Simulated};
 use firstbounce_capture::atomic::{OutputFolder, OutputRules, WriteError};
 use firstbounce_capture::export::is_one_of;
-use firstbounce_capture::image_file::{ExrLayer, grey8_png, grey16_png, mask_png, write_exr};
+use firstbounce_capture::image_file::{ExrLayer, grey8_png, grey16_png, mask_png, rgb8_png, rgb16_png, write_exr};
+use firstbounce_capture::set::{CaptureSet, Channel};
 
 /// `truth/rig.json`: the values that the simulation used.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -54,7 +56,7 @@ impl RigRecord {
 /// Where the rig's values lie in the set's folder. No photographed set has them.
 const RIG: &str = "truth/rig.json";
 /// What the files of a simulated set are called.
-const NAMES: [&str; 10] = [
+const NAMES: [&str; 14] = [
     firstbounce_capture::set::FILE_NAME,
     "mask.png",
     RIG,
@@ -65,6 +67,10 @@ const NAMES: [&str; 10] = [
     "grey-sphere/{light}-{colour}.png",
     "material-sphere/{light}-{colour}.png",
     "mirror-sphere/{light}.png",
+    "object/{light}.png",
+    "grey-sphere/{light}.png",
+    "material-sphere/{light}.png",
+    "crosstalk/{light}-{colour}.png",
 ];
 /// What lies closer together was written by one run.
 const SAME_TIME: Duration = Duration::from_secs(2);
@@ -125,9 +131,18 @@ pub fn write_simulated(simulated: &Simulated, folder: &Path) -> Result<(), Simul
     };
     // Eight bits hold what an eight-bit sensor stores in one frame.
     let eight_bits = set.camera.white_level.is_some_and(|white| white <= 255.0);
-    for (shot, photo) in set.shots.iter().zip(&simulated.photos) {
-        let png = if eight_bits { grey8_png(&photo.stored, 255.0)? } else { grey16_png(&photo.stored, 65535.0)? };
-        put(&shot.files[0], &png)?;
+    let mut files: IndexMap<String, Vec<&Plane>> = IndexMap::new();
+    for photo in &simulated.photos {
+        files.entry(file_name(set, photo)).or_default().push(&photo.stored);
+    }
+    for (name, channels) in &files {
+        let png = match (channels.as_slice(), eight_bits) {
+            ([grey], true) => grey8_png(grey, 255.0)?,
+            ([grey], false) => grey16_png(grey, 65535.0)?,
+            (channels, true) => rgb8_png(rgb(set, channels, &dark(set, channels)), 255.0)?,
+            (channels, false) => rgb16_png(rgb(set, channels, &dark(set, channels)), 65535.0)?,
+        };
+        put(name, &png)?;
     }
     let truth = &simulated.truth;
     put("mask.png", &mask_png(&truth.mask)?)?;
@@ -158,6 +173,20 @@ pub fn write_simulated(simulated: &Simulated, folder: &Path) -> Result<(), Simul
         refuse_foreign_files(folder, &staged)?;
         refuse_edited(folder)?;
         Ok(Vec::new())
+    })
+}
+
+/// What a channel stores that sees no lamp.
+fn dark(set: &CaptureSet, channels: &[&Plane]) -> Plane {
+    let (width, height) = channels.first().map_or((0, 0), |plane| plane.size());
+    Plane::filled(width, height, set.camera.black_level as f32)
+}
+
+/// The channels of a photo, where each colour has one.
+fn rgb<'a>(set: &CaptureSet, planes: &[&'a Plane], dark: &'a Plane) -> [&'a Plane; 3] {
+    [Channel::R, Channel::G, Channel::B].map(|channel| {
+        let colour = set.colours.iter().position(|colour| colour.channel == channel);
+        colour.and_then(|c| planes.get(c).copied()).unwrap_or(dark)
     })
 }
 

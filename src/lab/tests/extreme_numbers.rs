@@ -51,6 +51,7 @@ fn text(rig: Rig) -> String {
         Rig::Typed => {
             set.calibration.beta = Some(vec![1.0, 0.5]);
             set.calibration.white_light = Some(0.9);
+            set.camera.crosstalk = Some(vec![vec![1.0, 0.02], vec![0.03, 1.0]]);
             for (l, (light, direction)) in set.lights.iter_mut().zip(directions).enumerate() {
                 set.calibration.alpha.insert(light.name.clone(), vec![1.0, 2.0]);
                 set.calibration.intensity.insert(light.name.clone(), 1.0);
@@ -66,6 +67,7 @@ fn text(rig: Rig) -> String {
                 principal_point: Some([8.0, 8.0]),
                 working_distance_mm: 1000.0,
             };
+            set.camera.distortion = Some([-0.1, 0.02, 0.001, -0.002]);
             for (light, direction) in set.lights.iter_mut().zip(directions) {
                 light.position_mm = Some(direction.map(|x| 800.0 * x));
             }
@@ -155,6 +157,8 @@ fn number_of(path: &[String]) -> Option<Number> {
         () if key("white_level") => Number::WhiteLevel,
         () if key("full_well_electrons") => Number::FullWellElectrons,
         () if key("read_noise_electrons") => Number::ReadNoiseElectrons,
+        () if key("crosstalk") => Number::Crosstalk,
+        () if key("distortion") => Number::Distortion,
         () if key("direction") => Number::Direction,
         () if key("position_mm") => Number::PositionMm,
         () if key("exposure") => Number::Exposure,

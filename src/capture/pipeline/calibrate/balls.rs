@@ -185,7 +185,7 @@ pub fn circle_of(set: &CaptureSet, kind: SphereKind, watch: &dyn PipelineWatch) 
 
 /// How the camera sees a ball whose pictures have this size. Pictures that do not hold the optical axis are cut-outs from
 /// unknown places: there lines of sight count as parallel.
-fn view(set: &CaptureSet, size: (usize, usize)) -> View {
+pub(in crate::pipeline) fn view(set: &CaptureSet, size: (usize, usize)) -> View {
     match set.camera.projection {
         Projection::Orthographic { .. } => View::Orthographic,
         Projection::Perspective { focal_length_px, principal_point, .. } => {

@@ -13,6 +13,7 @@ use super::super::checks::of_rig;
 use super::balls::{BallPhotos, BallShots, needed};
 use super::direction::{MeasuredDirection, add_common_doubts, measure_direction};
 use super::position::measure_position;
+use super::unknown_crosstalk::unknown_crosstalk;
 use super::warning::Warning;
 use super::{BallCircle, BallNotFound, Calibrated, Known, Preference, RatioEvidence, Source};
 use crate::set::{BallValue, CaptureSet, SphereKind};
@@ -62,6 +63,8 @@ impl<'a> Measuring<'a> {
             self.calibrated.ratios.extend(evidence);
         }
         let (beta, evidence) = self.beta()?;
+        let of_crosstalk = unknown_crosstalk(self.set, &self.calibrated, &evidence);
+        self.calibrated.warnings.extend(of_crosstalk.iter().map(ToString::to_string));
         self.calibrated.beta = beta;
         self.calibrated.ratios.extend(evidence);
         let mut directions = self.directions()?;

@@ -6,6 +6,7 @@ mod direction;
 mod doubt;
 mod measure;
 mod position;
+mod unknown_crosstalk;
 mod verdict;
 mod warning;
 
@@ -15,12 +16,13 @@ use firstbounce_core::sphere::{BallError, CircleReport};
 
 use balls::BallPhotos;
 
+use super::crosstalk::{self, KnownCrosstalk, with_crosstalk};
 use super::methods::add_beta_of_object;
 use super::{ObjectPhotos, PhotoStore, PipelineError, PipelineWatch, SolveOptions, Stage, load_object};
 use crate::set::{Calibration, CaptureSet, Sphere, SphereKind, Subject};
 
 pub use balls::circle_of;
-pub(in crate::pipeline) use balls::needed_subjects;
+pub(in crate::pipeline) use balls::{needed_subjects, view};
 pub use doubt::{CircleDoubt, DirectionDoubt};
 pub use verdict::{Evidence, Verdict};
 
@@ -214,6 +216,8 @@ pub struct Calibrated {
     pub alpha: Vec<Option<Vec<Known<f64>>>>,
     /// By colour: albedo over the reference colour's. `None` where nothing tells.
     pub beta: Option<Vec<Known<f64>>>,
+    /// By channel, then lamp: the crosstalk that was undone before anything was measured; empty where nothing tells.
+    pub crosstalk: KnownCrosstalk,
     /// By light: strength in the reference colour relative to the first light.
     pub intensity: Vec<Known<f64>>,
     /// Linear light of the grey ball's paint square to a lamp of intensity 1, in the reference colour; `None` where the
@@ -248,6 +252,11 @@ impl Calibrated {
         let missing = || PipelineError::NoAlpha { light: set.lights[l].name.clone() };
         let alpha = alpha.ok_or_else(|| self.error_of(SphereKind::Grey).unwrap_or_else(missing))?;
         Ok(alpha.iter().map(|known| known.value).collect())
+    }
+
+    /// The crosstalk that was undone, as the capture file gives it; `None` where nothing tells.
+    pub fn crosstalk_rows(&self) -> Option<Vec<Vec<f64>>> {
+        (!self.crosstalk.is_empty()).then(|| crosstalk::values(&self.crosstalk))
     }
 
     /// Why this ball was not found; `None` where it was, or is not there.
@@ -349,10 +358,15 @@ pub fn calibrate_with(
     store: &PhotoStore,
     watch: &dyn PipelineWatch,
 ) -> Result<Calibrated, PipelineError> {
-    let photos = BallPhotos::load(set, preference, store, watch)?;
+    let typed = set.camera.crosstalk.as_ref();
+    let (set, crosstalk) = with_crosstalk(set, preference, store, watch)?;
+    let photos = BallPhotos::load(&set, preference, store, watch)?;
     watch.progress(Stage::Calibrate, 0.5);
-    let mut calibrated = measure::Measuring::new(set, preference, &photos)?.run()?;
-    let coarse = depth::coarse_balls(set, photos.by_subject(), store, watch)?;
+    let mut calibrated = measure::Measuring::new(&set, preference, &photos)?.run()?;
+    let of_typed = typed.map_or_else(Vec::new, |typed| warning::typed_crosstalk(&set, typed, &crosstalk));
+    calibrated.warnings.extend(of_typed.iter().map(ToString::to_string));
+    calibrated.crosstalk = crosstalk;
+    let coarse = depth::coarse_balls(&set, photos.by_subject(), store, watch)?;
     calibrated.warnings.extend(coarse.iter().map(ToString::to_string));
     Ok(calibrated)
 }
@@ -367,8 +381,10 @@ pub fn calibrate_also_on_object(
     let mut calibrated = calibrate_with(set, preference, store, watch)?;
     if calibrated.beta.is_none() && calibrated.alpha.iter().all(Option::is_some) {
         // Balls are of use without an object too.
-        match load_object(set, store, watch) {
-            Ok(object) => add_beta_of_object(set, &object, &mut calibrated, &SolveOptions::of(set), watch)?,
+        let mut set = set.clone();
+        set.camera.crosstalk = calibrated.crosstalk_rows();
+        match load_object(&set, store, watch) {
+            Ok(object) => add_beta_of_object(&set, &object, &mut calibrated, &SolveOptions::of(&set), watch)?,
             Err(PipelineError::Cancelled) => return Err(PipelineError::Cancelled),
             Err(error) => calibrated.warnings.push(format!("beta is not known: no ball of the paint, and {error}")),
         }
@@ -386,6 +402,10 @@ pub fn calibrate_for(
     watch: &dyn PipelineWatch,
 ) -> Result<Calibrated, PipelineError> {
     let mut calibrated = calibrate_with(set, Preference::File, store, watch)?;
+    if !options.method.needs().all_colours && set.colours.len() > 1 {
+        // The other colours are there for their share in the reference colour's channel alone.
+        return Ok(calibrated);
+    }
     add_beta_of_object(set, object, &mut calibrated, options, watch)?;
     let beta = calibrated.beta_values()?;
     if options.calibrated_bounces_of(set) > 1

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::{BallNotFound, CircleDoubt};
+use super::{BallNotFound, CircleDoubt, KnownCrosstalk, MAX_HALF_WIDTHS, Source};
+use crate::set::CaptureSet;
 
 /// A warning of a calibration.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,27 @@ pub(super) enum Warning<'a> {
         /// What was typed.
         typed: f64,
         /// What the ball says.
+        measured: f64,
+        /// Half of its 95 % interval.
+        half_width: f64,
+    },
+    /// beta that differs from light to light in photos whose colours are channels of one file: the light of one lamp colour is in the
+    /// channel of another.
+    UnknownCrosstalk {
+        /// The colour.
+        colour: &'a str,
+        /// Its lowest and highest beta by light.
+        beta: [f64; 2],
+    },
+    /// A typed share of crosstalk that the shots contradict.
+    TypedCrosstalk {
+        /// The colour whose channel it is.
+        channel: &'a str,
+        /// The colour whose lamp it is.
+        lamp: &'a str,
+        /// What was typed.
+        typed: f64,
+        /// What the shots say.
         measured: f64,
         /// Half of its 95 % interval.
         half_width: f64,
@@ -39,6 +61,17 @@ impl fmt::Display for Warning<'_> {
                 "{what} is {typed:.4} in capture.toml, and the ball says {measured:.4} \u{b1} {half_width:.4}: check which is \
                  right, and delete the line to use the ball's"
             ),
+            Self::UnknownCrosstalk { colour, beta: [low, high] } => write!(
+                f,
+                "beta in {colour} is {low:.4} under one light and {high:.4} under another, in photos whose colours are channels of one \
+                 file: a channel probably sees another lamp too. Photograph the grey ball under each lamp colour alone as \
+                 \"crosstalk\" shots, or type crosstalk under [camera]"
+            ),
+            Self::TypedCrosstalk { channel, lamp, typed, measured, half_width } => write!(
+                f,
+                "the channel of {channel} sees {typed:.4} of the {lamp} lamp by capture.toml, and the shots say {measured:.4} \u{b1} \
+                 {half_width:.4}: check which is right, and delete the line to use the shots'"
+            ),
             Self::AssumedIntensities { lights } => write!(
                 f,
                 "no grey ball gives the intensity of {}: taken as 1, which bends the normals if these lamps are not equally \
@@ -47,4 +80,27 @@ impl fmt::Display for Warning<'_> {
             ),
         }
     }
+}
+
+/// A typed share of crosstalk may be off by this much beside its interval: of the light of a lamp, no more is seen in the result.
+const MAX_TYPED_CROSSTALK: f64 = 0.003;
+
+/// Typed crosstalk that the shots contradict.
+pub(super) fn typed_crosstalk<'a>(
+    set: &'a CaptureSet,
+    typed: &[Vec<f64>],
+    measured: &KnownCrosstalk,
+) -> Vec<Warning<'a>> {
+    let rows = set.colours.iter().zip(typed.iter().zip(measured));
+    let entries = rows.flat_map(|(channel, (typed, measured))| {
+        let lamps = set.colours.iter().zip(typed.iter().zip(measured));
+        lamps.map(move |(lamp, (typed, measured))| (&*channel.name, &*lamp.name, *typed, measured))
+    });
+    let contradicted = entries.filter_map(|(channel, lamp, typed, known)| {
+        let [low, high] = known.interval.filter(|_| known.source == Source::GreyBall)?;
+        let (measured, half_width) = (known.value, (high - low) / 2.0);
+        let is_off = (typed - measured).abs() > MAX_HALF_WIDTHS * half_width + MAX_TYPED_CROSSTALK;
+        is_off.then_some(Warning::TypedCrosstalk { channel, lamp, typed, measured, half_width })
+    });
+    contradicted.collect()
 }

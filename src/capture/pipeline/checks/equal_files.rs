@@ -60,7 +60,9 @@ fn contradict(set: &CaptureSet, one: Use, other: Use) -> bool {
         // Balls that stand beside the object are seen in its photos.
         return lights_differ || !same_name;
     }
-    let one_of_three_channels = a.colour != b.colour && set.channel_of(a) != set.channel_of(b);
+    // Each of these is under one lamp colour alone.
+    let is_crosstalk = a.subject == Subject::Crosstalk;
+    let one_of_three_channels = !is_crosstalk && a.colour != b.colour && set.channel_of(a) != set.channel_of(b);
     let needs_no_colour = is_frame(a) || a.subject.is_shiny_ball();
     lights_differ && !is_frame(a) || !(one_of_three_channels || needs_no_colour)
 }

@@ -42,7 +42,7 @@ pub fn evaluate(
     let truth = Truth::of(set, object.mask.size())?;
     let calibrated = calibrate_for(set, &object, options, &store, watch)?;
     drop(store);
-    let scene = Scene::of(set, &object, &calibrated);
+    let scene = options.method.scene_of(Scene::of(set, &object, &calibrated), options);
 
     let recovered = std::cell::Cell::new(0);
     let shape = |lights: &[Direct], options: &ShapeOptions| {

@@ -161,9 +161,9 @@ impl Method {
         self.row().one_paint
     }
 
-    /// The set as the method looks at it.
+    /// The set as the method looks at it. Where crosstalk is undone, every channel is looked at.
     pub fn set_of(self, set: &CaptureSet) -> CaptureSet {
-        if self.needs().all_colours { set.clone() } else { set.in_one_colour() }
+        if self.needs().all_colours || set.has_crosstalk() { set.clone() } else { set.in_one_colour() }
     }
 
     /// The photos and the rig as the method looks at them. One that needs a single colour has no use for a light that the

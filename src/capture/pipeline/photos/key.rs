@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 use std::time::SystemTime;
 
+use firstbounce_core::image::distortion::Lens;
+
 use super::Exposures;
 use crate::image_file::LinearOptions;
-use crate::set::{CaptureSet, Shot, Subject};
+use crate::set::{Camera, CaptureSet, Shot, Subject};
 
 /// A file as it is on the disk.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -40,6 +42,8 @@ pub(super) struct PhotoKey {
     pub subject: Subject,
     /// By file, the exposures of a bracket.
     bracket: Option<Vec<f64>>,
+    /// How the lens draws, where that is undone.
+    pub lens: Option<LensKey>,
 }
 
 /// A key by which something is kept.
@@ -68,6 +72,7 @@ impl Key for PhotoKey {
     fn is_kept_as(&self, kept: &Self) -> bool {
         self.subject == kept.subject
             && self.bracket == kept.bracket
+            && self.lens == kept.lens
             && self.frame.is_kept_as(&kept.frame)
             && both_are_kept(&self.dark, &kept.dark)
             && both_are_kept(&self.flat, &kept.flat)
@@ -92,7 +97,25 @@ impl PhotoKey {
         let dark_of = |of: &Shot| best_dark(set, of, exposures).map(frame);
         let flat = best_flat(set, shot).map(|flat| FlatKey { frame: frame(flat), dark: dark_of(flat) });
         let bracket = exposures.bracket(shot).map(<[f64]>::to_vec);
-        Self { frame: frame(shot), dark: dark_of(shot), flat, subject: shot.subject, bracket }
+        let is_frame = matches!(shot.subject, Subject::Dark | Subject::FlatField);
+        let lens = LensKey::of(set).filter(|_| !is_frame);
+        Self { frame: frame(shot), dark: dark_of(shot), flat, subject: shot.subject, bracket, lens }
+    }
+}
+
+/// What of a camera says how its lens draws.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LensKey(Camera);
+
+impl LensKey {
+    fn of(set: &CaptureSet) -> Option<Self> {
+        let Camera { projection, distortion, .. } = set.camera;
+        distortion.map(|_| Self(Camera { projection, distortion, ..Camera::default() }))
+    }
+
+    /// The lens before a picture of this size.
+    pub fn lens(&self, size: (usize, usize)) -> Option<Lens> {
+        self.0.lens(size)
     }
 }
 

@@ -8,6 +8,8 @@ mod store;
 mod subject;
 #[cfg(test)]
 mod tests;
+mod undistort;
+mod unmix;
 
 pub use exposure::Exposures;
 pub use object::{ObjectPhotos, load_object};

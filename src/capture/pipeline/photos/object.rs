@@ -107,31 +107,33 @@ fn leave_out_balls(set: &CaptureSet, mask: &mut Mask) -> usize {
     balls.len()
 }
 
-/// The noise of a shot: of a bracket that of its exposures together; else from the camera's numbers, else from its repeats, else from its grain.
+/// The noise of a shot: what is known of it, else from its grain.
 pub(super) fn noise_of(set: &CaptureSet, linear: &LinearLight, mask: &Mask) -> NoiseModel {
-    if let Some(noise) = linear.bracket_noise {
-        return noise;
+    stated_noise(set, linear)
+        .unwrap_or_else(|| estimate_noise(&linear.photo, mask, f64::from(linear.quantisation_step)))
+}
+
+/// The noise of a shot that is combined of others, of their noise; else from the camera's numbers, else from its repeats.
+pub(super) fn stated_noise(set: &CaptureSet, linear: &LinearLight) -> Option<NoiseModel> {
+    if linear.combined_noise.is_some() {
+        return linear.combined_noise;
     }
     let exposure = f64::from(linear.exposure);
     if let (Some(full), Some(read)) = (set.camera.full_well_electrons, set.camera.read_noise_electrons) {
-        return NoiseModel::of_camera(full, read, linear.repeats, exposure);
+        return Some(NoiseModel::of_camera(full, read, linear.repeats, exposure).scaled(linear.variance_share));
     }
     let of_repeats = linear.noise.as_ref().and_then(|noise| {
         let pairs: Vec<_> = noise.bins.iter().map(|bin| (bin.signal, bin.variance)).collect();
         NoiseModel::fit(&pairs, NoiseSource::Repeats)
     });
-    match of_repeats {
-        // The fit is that of one frame before it is divided by the exposure.
-        Some(frame) => {
-            let frames = linear.repeats as f64;
-            NoiseModel {
-                floor: frame.floor / exposure.powi(2) / frames,
-                per_signal: frame.per_signal / exposure / frames,
-                ..frame
-            }
-        }
-        None => estimate_noise(&linear.photo, mask, f64::from(linear.quantisation_step)),
-    }
+    // The fit is that of one frame before it is divided by the exposure.
+    let frames = linear.repeats as f64;
+    let of_mean = |frame: NoiseModel| NoiseModel {
+        floor: frame.floor / exposure.powi(2) / frames,
+        per_signal: frame.per_signal / exposure / frames,
+        ..frame
+    };
+    of_repeats.map(|frame| of_mean(frame).scaled(linear.variance_share))
 }
 
 /// The share of pixels that are dark in every photo: not the object, whatever the mask says.

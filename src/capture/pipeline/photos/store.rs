@@ -12,6 +12,7 @@ use super::super::{PipelineError, PipelineWatch, Stage};
 use super::Exposures;
 use super::bracket::{Gathered, parts_of};
 use super::key::{FlatKey, FrameKey, Key, PhotoKey, Stamped};
+use super::undistort::undistorted;
 use crate::image_file::{
     Content, Corrections, DarkFrame, FlatField, ImageError, ImageFile, LinearLight, Metadata, ReadOptions, dark_frame,
     flat_field, linearise, picture_metadata, read_image_as,
@@ -340,7 +341,9 @@ impl Plan {
                 let corrections = dark(&key.dark).transpose().and_then(|dark| Ok((dark, flat.transpose()?)));
                 let light = corrections.and_then(|(dark, flat)| {
                     let corrections = Corrections { dark: dark.as_deref(), flat: flat.as_deref() };
-                    linearise(images, &key.frame.options, &corrections).map(Arc::new).map_err(Arc::new)
+                    let light = linearise(images, &key.frame.options, &corrections);
+                    let light = light.and_then(|light| undistorted(light, key.lens.as_ref(), &key.frame.options));
+                    light.map(Arc::new).map_err(Arc::new)
                 });
                 self.show(index, &light, on_shot);
                 Made::Photo

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use firstbounce_core::Photo;
 use indexmap::IndexMap;
 
-use super::super::{PipelineError, PipelineWatch};
+use super::super::{PipelineError, PipelineWatch, Preference, with_crosstalk};
+use super::unmix::unmix;
 use super::{PhotoStore, ShotLight, exposure};
 use crate::image_file::{ImageWarning, LinearLight, Metadata};
 use crate::set::{CaptureSet, Shot, Subject};
@@ -48,7 +49,7 @@ impl SubjectPhotos {
         })
     }
 
-    /// Puts shots together that were read; all must be there and have one size.
+    /// Puts shots together that were read; all must be there and have one size. Crosstalk that the set gives is undone.
     pub fn of(set: &CaptureSet, subject: Subject, shots: &[(&Shot, ShotLight)]) -> Result<Self, PipelineError> {
         let mut photos = Self { shots: IndexMap::new() };
         for (shot, light) in shots {
@@ -58,6 +59,9 @@ impl SubjectPhotos {
             photos.shots.insert((light, colour), linear);
         }
         photos.check_sizes(set, subject)?;
+        if subject.is_matte() {
+            unmix(set, &mut photos.shots).map_err(PipelineError::Crosstalk)?;
+        }
         Ok(photos)
     }
 
@@ -78,13 +82,16 @@ impl SubjectPhotos {
     }
 }
 
-/// Reads every photo of a subject.
+/// Reads every photo of a subject. Crosstalk is undone that the set gives, or its shots show.
 pub fn load_subject(
     set: &CaptureSet,
     subject: Subject,
     store: &PhotoStore,
     watch: &dyn PipelineWatch,
 ) -> Result<SubjectPhotos, PipelineError> {
+    let with_crosstalk =
+        if subject.is_matte() { Some(with_crosstalk(set, Preference::File, store, watch)?.0) } else { None };
+    let set = with_crosstalk.as_deref().unwrap_or(set);
     // Shots of the same files side by side, as an RGB photo's three colours are.
     let mut groups: IndexMap<&[String], Vec<&Shot>> = IndexMap::new();
     set.shots_of(subject).for_each(|shot| groups.entry(&shot.files).or_default().push(shot));

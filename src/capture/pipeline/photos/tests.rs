@@ -3,15 +3,17 @@ use std::io::Cursor;
 use std::path::Path;
 
 use firstbounce_core::Plane;
+use firstbounce_core::image::distortion::Lens;
 use tempfile::{TempDir, tempdir};
 use tiff::encoder::colortype::Gray16;
 use tiff::encoder::{Rational, TiffEncoder};
 use tiff::tags::Tag;
 
 use super::*;
+use crate::camera_file::CameraFile;
 use crate::image_file::{ImageWarning, grey16_png};
 use crate::pipeline::Unattended;
-use crate::set::{CaptureSet, Colour, Light, Shot, Subject};
+use crate::set::{Camera, CaptureSet, Colour, Light, Projection, Shot, Subject, write_lens};
 
 fn write(path: &Path, light: f32) {
     fs::write(path, grey16_png(&Plane::from_fn(4, 3, |x, y| light + 0.01 * (x + y) as f32), 1.0).unwrap()).unwrap();
@@ -230,4 +232,75 @@ fn a_mask_of_the_whole_picture_is_named_where_some_of_it_is_never_lit() {
         fs::write(folder.path().join(name), grey16_png(&dark_corner, 1.0).unwrap()).unwrap();
     }
     assert!(matches!(doubts(&set)[..], [ImageWarning::MaskWhole { .. }]));
+}
+
+const LENS: Lens =
+    Lens { focal_length_px: 120.0, principal_point_px: (50.0, 36.0), coefficients: [-0.2, 0.05, 0.001, -0.002] };
+
+fn pattern((x, y): (f64, f64)) -> f64 {
+    0.4 + 0.2 * (x / 6.0).sin() * (y / 7.0).cos()
+}
+
+/// A photo of a pattern as a lens draws it, in a set that knows the lens.
+fn set_behind_a_lens() -> (TempDir, CaptureSet) {
+    let (folder, mut set) = set();
+    set.shots.truncate(3);
+    let drawn = |x, y| pattern(LENS.undistorted((x as f64 + 0.5, y as f64 + 0.5)).unwrap()) as f32;
+    let png = grey16_png(&Plane::from_fn(96, 72, drawn), 1.0).unwrap();
+    for name in ["left", "top", "right"] {
+        fs::write(folder.path().join(format!("{name}.png")), &png).unwrap();
+    }
+    let principal_point = Some([LENS.principal_point_px.0, LENS.principal_point_px.1]);
+    let projection =
+        Projection::Perspective { focal_length_px: LENS.focal_length_px, principal_point, working_distance_mm: 500.0 };
+    set.camera = Camera { projection, distortion: Some(LENS.coefficients), ..Camera::default() };
+    (folder, set)
+}
+
+#[test]
+fn distortion_is_undone_when_a_photo_is_read_and_its_noise_with_it() {
+    let (_folder, mut set) = set_behind_a_lens();
+    let store = PhotoStore::default();
+    let light = read(&store, &set)[0].clone().unwrap();
+    for (index, found) in light.photo.linear.data().iter().enumerate() {
+        let truth = pattern(((index % 96) as f64 + 0.5, (index / 96) as f64 + 0.5));
+        assert!((f64::from(*found) - truth).abs() < 0.005, "{index}: {found} for {truth}");
+    }
+    assert!((0.4..0.99).contains(&light.variance_share) && light.combined_noise.is_some(), "{}", light.variance_share);
+    set.camera.full_well_electrons = Some(10_000.0);
+    set.camera.read_noise_electrons = Some(5.0);
+    let noise = load_object(&set, &store, &Unattended).unwrap().noise[0][0];
+    let expected = 0.4 / 10_000.0 * light.variance_share;
+    assert!((noise.variance(0.4) / expected - 1.0).abs() < 0.02, "{noise:?} for {expected}");
+    // Another lens is another photo.
+    set.camera.distortion = None;
+    assert_ne!(read(&store, &set)[0].as_ref().unwrap().photo, light.photo);
+}
+
+#[test]
+fn a_lens_that_folds_the_picture_is_one_line_that_names_the_photo() {
+    let (_folder, mut set) = set_behind_a_lens();
+    set.camera.distortion = Some([-9.0, 0.0, 0.0, 0.0]);
+    let error = load_object(&set, &PhotoStore::default(), &Unattended).unwrap_err().to_string();
+    assert!(error.contains("left.png: the distortion folds the picture") && !error.contains('\n'), "{error}");
+}
+
+#[test]
+fn a_calibration_of_pictures_of_another_size_is_refused_and_one_of_this_size_is_taken() {
+    let (_folder, mut set) = set_behind_a_lens();
+    let file = |size| CameraFile {
+        focal_length_px: 130.0,
+        principal_point: [48.5, 36.5],
+        distortion: [0.1, 0.0, 0.0, 0.0],
+        size,
+    };
+    let path = Path::new("camera.yml");
+    let error = file(Some((640, 480))).put_into(&mut set, path).unwrap_err();
+    assert!(error.to_string().contains("640 x 480 pixels") && error.to_string().contains("96 x 72"), "{error}");
+    file(Some((96, 72))).put_into(&mut set, path).unwrap();
+    assert_eq!(set.camera.distortion, Some([0.1, 0.0, 0.0, 0.0]));
+    let text = write_lens(&set.to_toml(), &set.camera).unwrap();
+    assert!(text.contains("distortion = [0.1, 0.0, 0.0, 0.0]") && text.contains("focal_length_px = 130.0"), "{text}");
+    set.camera = Camera::default();
+    assert!(file(None).put_into(&mut set, path).unwrap_err().to_string().contains("perspective"));
 }

@@ -18,6 +18,8 @@ pub struct CalibrationRecord {
     pub intensity: IndexMap<String, f64>,
     /// By light.
     pub direction: IndexMap<String, [f64; 3]>,
+    /// By channel, then lamp: the crosstalk that was undone; empty where nothing tells.
+    pub crosstalk: Vec<Vec<f64>>,
     /// By light, of those that several mirror balls place.
     pub position_mm: IndexMap<String, PositionRecord>,
     /// The same shape with the ends of the 95 % intervals; typed values have none.
@@ -45,6 +47,8 @@ pub struct IntervalRecord {
     pub intensity: IndexMap<String, Option<[f64; 2]>>,
     /// By light, for x, y and z.
     pub direction: IndexMap<String, Option<[[f64; 2]; 3]>>,
+    /// By channel, then lamp.
+    pub crosstalk: Vec<Vec<Option<[f64; 2]>>>,
 }
 
 /// Where each value comes from.
@@ -58,6 +62,8 @@ pub struct SourceRecord {
     pub intensity: IndexMap<String, &'static str>,
     /// By light.
     pub direction: IndexMap<String, &'static str>,
+    /// By channel, then lamp.
+    pub crosstalk: Vec<Vec<&'static str>>,
 }
 
 /// Where a lamp is, in mm.
@@ -115,6 +121,7 @@ impl CalibrationRecord {
             beta: beta.iter().map(|known| known.value).collect(),
             intensity: intensity().map(|(light, known)| (light, known.value)).collect(),
             direction: direction().map(|(light, known)| (light, known.value)).collect(),
+            crosstalk: by_channel(calibrated, |known| known.value),
             position_mm: calibrated
                 .positions_mm(set)
                 .map(|(light, known)| {
@@ -126,6 +133,7 @@ impl CalibrationRecord {
                 beta: beta.iter().map(|known| known.interval).collect(),
                 intensity: intensity().map(|(light, known)| (light, known.interval)).collect(),
                 direction: direction().map(|(light, known)| (light, by_axis(known))).collect(),
+                crosstalk: by_channel(calibrated, |known| known.interval),
             },
             source: SourceRecord {
                 alpha: alpha()
@@ -134,6 +142,7 @@ impl CalibrationRecord {
                 beta: beta.iter().map(|known| known.source.words()).collect(),
                 intensity: intensity().map(|(light, known)| (light, known.source.words())).collect(),
                 direction: direction().map(|(light, known)| (light, known.source.words())).collect(),
+                crosstalk: by_channel(calibrated, |known| known.source.words()),
             },
             circle: circles(calibrated),
             pixels: pixels.collect(),
@@ -146,6 +155,10 @@ impl CalibrationRecord {
     pub fn rows(&self) -> &[Row] {
         &self.rows
     }
+}
+
+fn by_channel<T>(calibrated: &Calibrated, value: impl Fn(&Known<f64>) -> T) -> Vec<Vec<T>> {
+    calibrated.crosstalk.iter().map(|row| row.iter().map(&value).collect()).collect()
 }
 
 fn by_axis(known: &Known<[f64; 3]>) -> Option<[[f64; 2]; 3]> {
@@ -170,6 +183,11 @@ fn circles(calibrated: &Calibrated) -> IndexMap<String, CircleRecord> {
 
 fn rows(set: &CaptureSet, calibrated: &Calibrated) -> Vec<(Row, Option<PixelCounts>)> {
     let mut rows = Vec::new();
+    for (channel, of_channel) in set.colours.iter().zip(&calibrated.crosstalk) {
+        for (lamp, known) in set.colours.iter().zip(of_channel).filter(|(lamp, _)| lamp.name != channel.name) {
+            rows.push(row(format!("crosstalk, {} lamp in channel of {}", lamp.name, channel.name), known));
+        }
+    }
     for (light, alpha) in set.lights.iter().zip(&calibrated.alpha) {
         for (colour, known) in set.colours.iter().zip(alpha.iter().flatten()).skip(1) {
             rows.push(row(format!("alpha, {}, {}", light.name, colour.name), known));

@@ -45,16 +45,25 @@ fn camera() -> impl Strategy<Value = Camera> {
         },
     );
     let projection = prop_oneof![orthographic, perspective];
-    let levels = (number(), option::of(number()), option::of(number()), option::of(number()));
+    let projection = (projection, option::of([number(), number(), number(), number()]));
+    let levels = (
+        number(),
+        option::of(number()),
+        option::of(number()),
+        option::of(number()),
+        option::of(vec(vec(number(), 0..3), 0..3)),
+    );
     (projection, option::of(encoding()), option::of(text()), levels).prop_map(
-        |(projection, encoding, layer, (black_level, white_level, well, noise))| Camera {
+        |((projection, distortion), encoding, layer, (black_level, white_level, well, noise, crosstalk))| Camera {
             projection,
+            distortion: distortion.filter(|_| matches!(projection, Projection::Perspective { .. })),
             encoding,
             layer,
             black_level,
             white_level,
             full_well_electrons: well,
             read_noise_electrons: noise,
+            crosstalk,
         },
     )
 }

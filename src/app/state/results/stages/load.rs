@@ -5,7 +5,7 @@ use std::sync::Arc;
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{
     CaptureCheck, CheckOptions, CheckedPhotos, MemoryOptions, ObjectLevels, ObjectPhotos, PhotoStore, PipelineError,
-    ShotLight, SubjectPhotos, Work as MemoryWork, check_memory,
+    Preference, ShotLight, SubjectPhotos, Work as MemoryWork, check_memory, with_crosstalk,
 };
 use firstbounce_capture::set::{Projection, Shot, Subject};
 use firstbounce_core::{Photo, Plane};
@@ -138,7 +138,7 @@ fn load(set: &CaptureSet, store: &PhotoStore, job: &Job) -> Result<Loaded, Stage
     lights.par_iter().enumerate().for_each(|(shot, light)| check.look_at(shot, light));
     let captures = check.finish(job)?;
     let all: Vec<_> = shots.into_iter().zip(lights).collect();
-    let object = object(set, &all);
+    let object = object(set, store, job, &all);
     let mut warnings = object.as_ref().map(|object| object.warnings.clone()).unwrap_or_default();
     warnings.sort();
     warnings.dedup();
@@ -152,13 +152,19 @@ fn load(set: &CaptureSet, store: &PhotoStore, job: &Job) -> Result<Loaded, Stage
     })
 }
 
-fn object(set: &CaptureSet, all: &[(&Shot, ShotLight)]) -> Result<Arc<ObjectPhotos>, StageError> {
+fn object(
+    set: &CaptureSet,
+    store: &PhotoStore,
+    job: &Job,
+    all: &[(&Shot, ShotLight)],
+) -> Result<Arc<ObjectPhotos>, StageError> {
     if let Some(problem) = set.check().into_iter().next() {
         return Err(StageError::Set(problem));
     }
     let of_object: Vec<_> = all.iter().filter(|(shot, _)| shot.subject == Subject::Object).cloned().collect();
-    let photos = SubjectPhotos::of(set, Subject::Object, &of_object)?;
-    Ok(Arc::new(ObjectPhotos::of(set, photos)?))
+    let (set, _) = with_crosstalk(set, Preference::File, store, job)?;
+    let photos = SubjectPhotos::of(&set, Subject::Object, &of_object)?;
+    Ok(Arc::new(ObjectPhotos::of(&set, photos)?))
 }
 
 fn loaded_shot(shot: &Shot, light: &ShotLight) -> LoadedShot {
