@@ -59,7 +59,7 @@ fn shapes_direction(hands: &mut Hands) -> [f64; 3] {
 fn the_shape_panel_leaves_no_fewer_than_three_lights_and_shows_before_and_after() {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.press(Modifiers::COMMAND, Key::Num4);
+    hands.press(Modifiers::NONE, Key::Num4);
     assert_eq!(hands.session().panel, PanelName::Shape);
     assert!(hands.sees("Use left"));
     assert!(hands.sees("Mean change of the normals"));

@@ -22,7 +22,7 @@ const TICK: &str = "Also solve by Nayar's method";
 fn at_shape() -> Hands {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.press(Modifiers::COMMAND, Key::Num4);
+    hands.press(Modifiers::NONE, Key::Num4);
     assert_eq!(hands.session().panel, PanelName::Shape);
     hands
 }

@@ -9,7 +9,7 @@ use crate::harness::Hands;
 fn at_separate() -> Hands {
     let mut hands = Hands::with_demo_by_colours();
     hands.rest();
-    hands.press(Modifiers::COMMAND, Key::Num3);
+    hands.press(Modifiers::NONE, Key::Num3);
     assert_eq!(hands.session().panel, PanelName::Separate);
     hands
 }

@@ -8,6 +8,7 @@ use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use firstbounce::app::state::layout::Shown;
 use firstbounce::app::state::surfaces::{Shade, SurfaceLook};
+use firstbounce::app::window::commands::CommandId;
 use firstbounce::gpu::mesh::Lens;
 use firstbounce_capture::mesh_file::write_ply;
 use firstbounce_core::Mesh;
@@ -20,8 +21,8 @@ const VIEW: &str = "Surface in 3D";
 fn with_surface() -> Hands {
     let mut hands = Hands::with_demo();
     hands.rest();
-    hands.press(Modifiers::COMMAND, Key::Num4);
-    push(&mut hands, "Show the surface in 3D");
+    hands.press(Modifiers::NONE, Key::Num4);
+    hands.run(CommandId::OneView);
     hands.wait_until("the surface in 3D", |session| {
         session.surfaces.is_at_rest()
             && session.surfaces.layer(firstbounce::app::state::surfaces::LayerName::AFTER).is_some()
@@ -39,13 +40,20 @@ fn look(hands: &mut Hands) -> SurfaceLook {
     hands.session().views.active().expect("a view").surface.clone()
 }
 
+/// The 3D view: there is one.
+fn view(hands: &Hands) -> egui_kittest::Node<'_> {
+    let mut views =
+        hands.harness.query_all_by_label_contains(VIEW).filter(|node| node.accesskit_node().role() == Role::Image);
+    views.next().expect("a view in 3D")
+}
+
 fn value(hands: &Hands) -> String {
-    let view = hands.harness.get_by_role_and_label(Role::Image, VIEW);
+    let view = view(hands);
     view.accesskit_node().value().unwrap_or_default()
 }
 
 fn rect(hands: &Hands) -> Rect {
-    hands.harness.get_by_role_and_label(Role::Image, VIEW).rect()
+    view(hands).rect()
 }
 
 fn click_at(hands: &mut Hands, pos: Pos2) {
@@ -66,28 +74,29 @@ fn after(hands: &mut Hands) -> std::sync::Arc<Mesh> {
 #[test]
 fn keys_turn_and_stand_the_eye_and_enter_picks_the_middle() {
     let mut hands = with_surface();
-    assert!(value(&hands).starts_with("direct light, Studio, scale bar "), "{}", value(&hands));
-    hands.harness.get_by_role_and_label(Role::Image, VIEW).focus();
+    assert!(value(&hands).starts_with("the surface after, Studio, scale bar "), "{}", value(&hands));
+    view(&hands).focus();
     hands.steps();
     hands.press(Modifiers::NONE, Key::ArrowRight);
     let turned = look(&mut hands).camera.expect("the eye was moved");
     assert!((turned.yaw_deg - 20.0).abs() < 1e-9 && (turned.pitch_deg - 25.0).abs() < 1e-9, "{turned:?}");
     hands.press(Modifiers::NONE, Key::Plus);
     assert!((look(&mut hands).camera.unwrap().distance / turned.distance - 0.8).abs() < 1e-9);
-    hands.press(Modifiers::NONE, Key::Num0);
+    hands.press(Modifiers::NONE, Key::F);
     assert_eq!(look(&mut hands).camera, None);
 
     hands.press(Modifiers::ALT, Key::P);
-    hands.press(Modifiers::ALT, Key::Num1);
+    hands.run(CommandId::FrontView);
+    hands.steps();
     let front = look(&mut hands);
     assert_eq!(
         (front.lens, front.camera.unwrap().yaw_deg, front.camera.unwrap().pitch_deg),
         (Lens::Orthographic, 0.0, 0.0)
     );
-    hands.harness.get_by_role_and_label(Role::Image, VIEW).focus();
+    view(&hands).focus();
     hands.steps();
     hands.press(Modifiers::NONE, Key::Enter);
-    assert!(hands.sees("Point on direct light: x "));
+    assert!(hands.sees("Point on the surface after: x "));
     // From the front the middle of the view is the middle of the surface's box.
     let mesh = after(&mut hands);
     let (low, high) = mesh.bounds().unwrap();
@@ -98,7 +107,7 @@ fn keys_turn_and_stand_the_eye_and_enter_picks_the_middle() {
     let near = |p: &&Point3<f32>| (p.xy() - middle.xy()).norm();
     let vertex = mesh.positions.iter().min_by(|a, b| near(a).total_cmp(&near(b))).unwrap();
     assert!((picked.z - f64::from(vertex.z)).abs() < 2.0 * f64::from(near(&vertex)) + 0.5, "{picked} {vertex}");
-    assert!(value(&hands).contains("Point on direct light"));
+    assert!(value(&hands).contains("Point on the surface after"));
 }
 
 #[test]
@@ -117,7 +126,7 @@ fn two_clicks_are_a_distance_and_a_section_is_plotted() {
 
     hands.harness.get_by_label("Section").click();
     hands.steps();
-    assert!(hands.sees("Profile of Direct light, "));
+    assert!(hands.sees("Profile of After, "));
     assert!(hands.sees("Section at"));
     hands.harness.get_by_label("Through two points").click();
     hands.steps();
@@ -132,7 +141,7 @@ fn two_clicks_are_a_distance_and_a_section_is_plotted() {
 fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     let mut hands = with_surface();
     hands.click_button("Layers");
-    hands.harness.get_by_role_and_label(Role::CheckBox, "Show before").click();
+    hands.harness.get_by_role_and_label(Role::CheckBox, "Show the surface before").click();
     hands.steps();
     assert!(
         look(&mut hands)
@@ -142,20 +151,20 @@ fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
             .visible
     );
     hands.press(Modifiers::NONE, Key::Escape);
-    assert!(value(&hands).starts_with("direct light and before, "), "{}", value(&hands));
+    assert!(value(&hands).starts_with("the surface after and the surface before, "), "{}", value(&hands));
     hands.click_button("Layers");
-    hands.harness.get_by_role_and_label(Role::CheckBox, "Show before").click();
+    hands.harness.get_by_role_and_label(Role::CheckBox, "Show the surface before").click();
     hands.steps();
     hands.press(Modifiers::NONE, Key::Escape);
 
-    hands.harness.get_by_role_and_label(Role::Image, VIEW).focus();
+    view(&hands).focus();
     hands.steps();
     hands.harness.key_down(Key::B);
     hands.harness.run_steps(2);
-    assert!(value(&hands).starts_with("before, "), "{}", value(&hands));
+    assert!(value(&hands).starts_with("the surface before, "), "{}", value(&hands));
     hands.harness.key_up(Key::B);
     hands.harness.run_steps(2);
-    assert!(value(&hands).starts_with("direct light, "));
+    assert!(value(&hands).starts_with("the surface after, "));
 
     hands.click_button("Shading: Studio");
     hands.harness.get_by_label("Height").click();
@@ -237,7 +246,7 @@ fn a_reference_is_loaded_aligned_and_measured_as_by_the_command() {
     hands.press(Modifiers::COMMAND, Key::S);
     let folder = hands.session().document().set.folder.clone();
     // A field that is being typed in would keep the undo for itself.
-    hands.harness.get_by_role_and_label(Role::Image, VIEW).focus();
+    view(&hands).focus();
     hands.steps();
     hands.press(Modifiers::COMMAND, Key::Z);
     assert!(poses(&mut hands).is_none());

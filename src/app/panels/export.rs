@@ -19,7 +19,7 @@ use crate::app::state::session::Session;
 use crate::app::widgets::advice::{advice, sentence};
 use crate::app::widgets::part::part;
 use crate::app::widgets::path_field::PathField;
-use crate::app::widgets::theme::primary;
+use crate::app::widgets::theme::{Weight, primary};
 
 /// The panel.
 #[derive(Default)]
@@ -93,7 +93,7 @@ fn full_triangles(session: &Session) -> Option<usize> {
 
 fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(6.0);
-    ui.label(RichText::new(text).strong());
+    ui.label(RichText::new(text).semi_bold());
 }
 
 impl Export {
@@ -204,7 +204,7 @@ fn lights(ui: &mut Ui, options: &mut OutputOptions, document: &Document) {
 
 fn contents(ui: &mut Ui, folder: &Path, report: &Report) {
     ui.separator();
-    ui.label(RichText::new(format!("Written into {}", folder.display())).strong());
+    ui.label(RichText::new(format!("Written into {}", folder.display())).semi_bold());
     for line in report.export.decimation_lines() {
         ui.label(line);
     }

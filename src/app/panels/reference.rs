@@ -15,6 +15,7 @@ use crate::app::widgets::advice::advice;
 use crate::app::widgets::bars::chart;
 use crate::app::widgets::part::part;
 use crate::app::widgets::path_field::PathField;
+use crate::app::widgets::theme::Weight;
 
 const HEIGHT: f32 = 130.0;
 
@@ -29,7 +30,7 @@ impl ReferencePanel {
     /// Shows all of it.
     pub fn ui(&mut self, ui: &mut Ui, session: &mut Session, document: &Document) {
         ui.separator();
-        ui.label(RichText::new("Reference scan").strong());
+        ui.label(RichText::new("Reference scan").semi_bold());
         self.choose(ui, session, document);
         part(ui, "reference state", |ui| state(ui, session));
         if session.reference.mesh().is_none() {
@@ -192,7 +193,7 @@ fn table(ui: &mut Ui, outcome: &Outcome) {
     let before = outcome.before.as_ref().ok().map(|compared: &Compared| &compared.comparison);
     Grid::new("reference numbers").num_columns(3).striped(true).show(ui, |ui| {
         for heading in ["", "before", "after"] {
-            ui.label(RichText::new(heading).strong());
+            ui.label(RichText::new(heading).semi_bold());
         }
         ui.end_row();
         for (what, value) in ROWS {

@@ -22,6 +22,7 @@ use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 use crate::app::widgets::number_field;
 use crate::app::widgets::part::part;
+use crate::app::widgets::theme::Weight;
 
 /// Between the cells of tables, in points.
 const TIGHT: Vec2 = vec2(8.0, 4.0);
@@ -70,7 +71,7 @@ impl Panel for ShapePanel {
 }
 
 fn lights(ui: &mut Ui, session: &mut Session, document: &Document) {
-    ui.label(RichText::new("Lights").strong());
+    ui.label(RichText::new("Lights").semi_bold());
     if document.set.lights.is_empty() {
         advice(ui, "This set has no light yet: add photos in Captures.");
     }
@@ -152,7 +153,7 @@ fn before_and_after(ui: &mut Ui, session: &mut Session, shapes: &Shapes) {
         Grid::new("before and after").num_columns(1 + columns.len()).striped(true).spacing(TIGHT).show(ui, |ui| {
             ui.label("");
             for (heading, _) in &columns {
-                ui.label(RichText::new(heading).strong());
+                ui.label(RichText::new(heading).semi_bold());
             }
             ui.end_row();
             for (what, meaning, value) in ROWS {
@@ -191,10 +192,14 @@ type Row = (&'static str, &'static str, fn(&Shape) -> String);
 const ROWS: &[Row] = &[
     ("Solved", "Pixels with a normal", |shape| shape.report.normals.solved_pixels.to_string()),
     ("Unsolved", "Pixels without a normal", |shape| shape.report.normals.unsolved_pixels.to_string()),
-    ("In shadow", "Pixels with a light left out, for it is in shadow there", |shape| shape.report.normals.shadowed_pixels.to_string()),
+    ("In shadow", "Pixels with a light left out, for it is in shadow there", |shape| {
+        shape.report.normals.shadowed_pixels.to_string()
+    }),
     ("Noise, degrees", "Expected noise of the normals", |shape| format!("{:.2}", shape.report.normals.mean_noise_deg)),
     ("Albedo", "Mean albedo", |shape| format!("{:.4}", shape.report.normals.mean_albedo)),
-    ("Conditioning", "Condition number of the light matrix", |shape| format!("{:.2}", shape.report.normals.condition_number)),
+    ("Conditioning", "Condition number of the light matrix", |shape| {
+        format!("{:.2}", shape.report.normals.condition_number)
+    }),
     ("Slope residual", "Slope residual of the depth", |shape| format!("{:.4}", shape.depth.report.rms_slope_residual)),
     ("Parts", "Unconnected parts of the object", |shape| shape.depth.report.islands.to_string()),
 ];
@@ -203,8 +208,8 @@ impl ShapePanel {
     /// Compares with the truth of a set that knows it, as soon as there is a surface.
     fn evaluate(&mut self, session: &mut Session, document: &Arc<Document>) {
         self.evaluated.poll();
-        let is_ready = session.results.is_at_rest(document)
-            && session.results.state(Step::Shape, document) == StageState::Ready;
+        let is_ready =
+            session.results.is_at_rest(document) && session.results.state(Step::Shape, document) == StageState::Ready;
         if is_ready && document.set.truth_normals().is_file() && self.evaluated.wants(document) {
             let edited = document.clone();
             let task = session.jobs.start("Compare with the truth", move |job| Evaluated::of(&edited, job));
@@ -218,7 +223,7 @@ impl ShapePanel {
             return;
         }
         ui.separator();
-        ui.label(RichText::new("Against the truth of this set").strong());
+        ui.label(RichText::new("Against the truth of this set").semi_bold());
         if self.evaluated.running().is_some() {
             advice(ui, "Comparing with the truth.");
         }

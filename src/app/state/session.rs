@@ -201,9 +201,7 @@ impl Session {
         self.preferences.opened(folder);
         self.remember();
         self.panel = PanelName::Captures;
-        self.views = read_view(folder, "layout")
-            .and_then(Views::from_json)
-            .unwrap_or_default();
+        self.views = read_view(folder, "layout").and_then(Views::from_json).unwrap_or_default();
         self.views.turn_to(self.panel, &document);
         self.say_not_kept(kept_view(folder).err());
         // A set that has just begun lacks everything, which is no news.

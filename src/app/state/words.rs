@@ -8,7 +8,8 @@ use super::results::ShotName;
 
 /// A problem of the set without the words of its file: "Light left: direction: expected three numbers".
 pub fn problem_words(problem: &Problem, set: &CaptureSet) -> String {
-    let named = |what: &str, name: Option<&String>| name.map_or_else(|| what.to_owned(), |name| format!("{what} {name}"));
+    let named =
+        |what: &str, name: Option<&String>| name.map_or_else(|| what.to_owned(), |name| format!("{what} {name}"));
     let place = match problem.location {
         Location::Set => None,
         Location::Camera => Some("Camera".into()),
@@ -30,7 +31,11 @@ pub fn problem_words(problem: &Problem, set: &CaptureSet) -> String {
 /// A line without the path of the set's folder.
 pub fn in_window(line: &str, set: &CaptureSet) -> String {
     let folder = set.folder.display().to_string();
-    if folder.is_empty() { line.to_owned() } else { line.replace(&format!("{folder}{}", std::path::MAIN_SEPARATOR), "") }
+    if folder.is_empty() {
+        line.to_owned()
+    } else {
+        line.replace(&format!("{folder}{}", std::path::MAIN_SEPARATOR), "")
+    }
 }
 
 #[cfg(test)]

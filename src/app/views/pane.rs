@@ -16,6 +16,7 @@ use crate::app::views::canvas::{Canvas, CanvasResponse, Compare, PrimaryDrag};
 use crate::app::views::surface;
 use crate::app::widgets::advice::advice_in_the_middle;
 use crate::app::widgets::plate::{plate, plate_in};
+use crate::app::widgets::theme::Weight;
 use crate::gpu::Display;
 
 const HEADER_HEIGHT: f32 = 24.0;
@@ -46,16 +47,19 @@ fn in_3d(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Can
 
 fn in_2d(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases, overlay: &mut dyn Overlay) {
     let document = session.document();
-    let below = Rect::from_min_max(pos2(ui.max_rect().left(), ui.max_rect().bottom() - strip::HEIGHT), ui.max_rect().max);
+    let below =
+        Rect::from_min_max(pos2(ui.max_rect().left(), ui.max_rect().bottom() - strip::HEIGHT), ui.max_rect().max);
     let above = Rect::from_min_max(ui.cursor().min, pos2(ui.max_rect().right(), below.top()));
-    ui.scope_builder(UiBuilder::new().max_rect(above), |ui| match picture(&view.drawn(), &document, &session.results) {
-        Ok(shown) => {
-            if let Some(line) = outdated(&view.shown, &document, &session.results) {
-                ui.add(Label::new(RichText::new(line).color(ui.visuals().warn_fg_color)).truncate());
+    ui.scope_builder(UiBuilder::new().max_rect(above), |ui| {
+        match picture(&view.drawn(), &document, &session.results) {
+            Ok(shown) => {
+                if let Some(line) = outdated(&view.shown, &document, &session.results) {
+                    ui.add(Label::new(RichText::new(line).color(ui.visuals().warn_fg_color)).truncate());
+                }
+                canvas(ui, view, &shown, session, canvases, overlay);
             }
-            canvas(ui, view, &shown, session, canvases, overlay);
+            Err(error) => advice_in_the_middle(ui, &error.to_string()),
         }
-        Err(error) => advice_in_the_middle(ui, &error.to_string()),
     });
     ui.scope_builder(UiBuilder::new().max_rect(below), |ui| strip::ui(ui, view, session, canvases));
 }
@@ -90,9 +94,9 @@ fn header(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Ca
 fn picture_menu(ui: &mut Ui, view: &mut View, session: &mut Session, is_active: bool, width: f32) {
     let document = session.document();
     let title = view.drawn().title();
-    let short = if view.shown == Shown::Surface { view.surface.title() } else { title.clone() };
+    let short = if view.shown == Shown::Surface { format!("{}, 3D", view.surface.title()) } else { title.clone() };
     let text = RichText::new(elided(ui, &short, width));
-    let button = MenuButton::new(if is_active { text.strong() } else { text });
+    let button = MenuButton::new(if is_active { text.semi_bold() } else { text });
     let (response, _) = button.ui(ui, |ui| {
         let in_3d = ui.selectable_label(view.shown == Shown::Surface, Shown::Surface.title()).clicked();
         let mut chosen = picker::ui(ui, &document, Some(&view.shown)).or(in_3d.then_some(Shown::Surface));

@@ -327,7 +327,9 @@ pub fn previewed(shown: &Shown, document: &Document, results: &Results) -> Optio
 pub fn outdated(shown: &Shown, document: &Document, results: &Results) -> Option<String> {
     let step = shown.step();
     match results.state(step, document) {
-        StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } if step > Step::Load => {
+        StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line }
+            if step > Step::Load =>
+        {
             Some(format!("Of earlier values: {line}"))
         }
         _ => None,
@@ -346,7 +348,9 @@ fn not_yet(shown: &Shown, document: &Document, results: &Results) -> PictureErro
     }
     let step = shown.step();
     match results.state(step, document) {
-        StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } => PictureError::Step { line },
+        StageState::Failed { line } | StageState::Blocked { line } | StageState::Cancelled { line } => {
+            PictureError::Step { line }
+        }
         StageState::Stale | StageState::Running { .. } => PictureError::Running { step },
         StageState::Ready => PictureError::NotInSet,
     }

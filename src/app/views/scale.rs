@@ -29,7 +29,8 @@ pub fn scaled(
     }
     let Some([_, top]) = common_range(shown, document, results) else { return (display, None) };
     let own = picture.display.range[1];
-    let factor = if is_compared || !is_part(shown) || own > DIM * top || own <= 0.0 { 1.0 } else { floor_power(top / own) };
+    let factor =
+        if is_compared || !is_part(shown) || own > DIM * top || own <= 0.0 { 1.0 } else { floor_power(top / own) };
     let factor = factor.clamp(1.0, MAX_FACTOR);
     let display = Display { range: [0.0, top / factor], ..display };
     (display, (factor > 1.0).then_some(factor as u32))

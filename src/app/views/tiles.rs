@@ -35,9 +35,11 @@ struct Behaviour<'a> {
 impl Behaviour<'_> {
     /// What a person chooses in a view is kept.
     fn view(&mut self, ui: &mut Ui, view: &mut View) {
-        let before = (view.shown.clone(), view.against.clone());
+        let mut before = view.clone();
         pane::ui(ui, view, self.session, self.canvases, self.overlay);
-        if before != (view.shown.clone(), view.against.clone()) {
+        // The eye alone moves with the others.
+        before.surface.camera = view.surface.camera;
+        if before != *view {
             self.session.views.note_change();
         }
     }

@@ -1,9 +1,47 @@
-//! The theme: sizes of text, room around it, and the colours that carry a meaning, readable on dark and light.
+//! The theme: letters, room around them, and the colours that carry a meaning, readable on dark and light.
 
-use eframe::egui::{Button, Color32, Context, FontId, RichText, Style, TextStyle, Theme, Visuals, vec2};
+use std::sync::Arc;
 
-/// Sets both themes.
+use eframe::egui::{
+    Button, Color32, Context, FontData, FontDefinitions, FontFamily, FontId, RichText, Style, TextStyle, Theme,
+    Visuals, vec2,
+};
+
+/// Inter, by The Inter Project Authors, under the SIL Open Font License 1.1 (assets/fonts).
+const REGULAR: &[u8] = include_bytes!("../../../assets/fonts/Inter-Regular.otf");
+const SEMI_BOLD: &[u8] = include_bytes!("../../../assets/fonts/Inter-SemiBold.otf");
+/// The family of what stands out.
+const STRONG: &str = "Inter SemiBold";
+
+/// Text that stands out by its weight.
+pub trait Weight {
+    /// In semi-bold letters.
+    fn semi_bold(self) -> Self;
+}
+
+impl Weight for RichText {
+    fn semi_bold(self) -> Self {
+        self.strong().family(FontFamily::Name(STRONG.into()))
+    }
+}
+
+/// Letters of both weights; what they lack comes from egui's own, as before.
+fn letters() -> FontDefinitions {
+    let mut fonts = FontDefinitions::default();
+    let fallback = fonts.families.get(&FontFamily::Proportional).cloned().unwrap_or_default();
+    for (name, data, family) in
+        [("Inter", REGULAR, FontFamily::Proportional), (STRONG, SEMI_BOLD, FontFamily::Name(STRONG.into()))]
+    {
+        fonts.font_data.insert(name.to_owned(), Arc::new(FontData::from_static(data)));
+        let letters = [name.to_owned()].into_iter().chain(fallback.iter().cloned());
+        fonts.families.insert(family, letters.collect());
+    }
+    fonts
+}
+
+/// Sets letters and both themes.
 pub fn install(context: &Context) {
+    context.set_fonts(letters());
     context.all_styles_mut(sizes);
     for theme in [Theme::Dark, Theme::Light] {
         context.style_mut_of(theme, |style| colours(&mut style.visuals));
@@ -11,13 +49,13 @@ pub fn install(context: &Context) {
 }
 
 fn sizes(style: &mut Style) {
-    for (text, points) in [(TextStyle::Small, 11.0), (TextStyle::Body, 13.5), (TextStyle::Button, 13.5)] {
+    for (text, points) in [(TextStyle::Small, 11.0), (TextStyle::Body, 13.0), (TextStyle::Button, 13.0)] {
         style.text_styles.insert(text, FontId::proportional(points));
     }
-    style.text_styles.insert(TextStyle::Monospace, FontId::monospace(12.5));
-    style.text_styles.insert(TextStyle::Heading, FontId::proportional(20.0));
-    style.spacing.item_spacing = vec2(8.0, 5.0);
-    style.spacing.button_padding = vec2(7.0, 2.5);
+    style.text_styles.insert(TextStyle::Monospace, FontId::monospace(12.0));
+    style.text_styles.insert(TextStyle::Heading, FontId::new(22.0, FontFamily::Name(STRONG.into())));
+    style.spacing.item_spacing = vec2(8.0, 4.0);
+    style.spacing.button_padding = vec2(8.0, 3.0);
     // Edges of scroll areas would fade over the canvas.
     style.spacing.scroll.fade.strength = 0.0;
 }
@@ -48,7 +86,7 @@ pub fn after(visuals: &Visuals) -> Color32 {
 
 /// The button of what a panel is for: one a panel.
 pub fn primary<'a>(visuals: &Visuals, text: impl Into<String>) -> Button<'a> {
-    let text = RichText::new(text).strong().color(visuals.selection.stroke.color);
+    let text = RichText::new(text).semi_bold().color(visuals.selection.stroke.color);
     Button::new(text).fill(visuals.selection.bg_fill).min_size(vec2(180.0, 32.0))
 }
 
@@ -83,9 +121,15 @@ mod tests {
             let visuals = &style.visuals;
             let panel = visuals.panel_fill;
             let on_panel = panel.blend(visuals.weak_text_color());
-            for colour in
-                [visuals.warn_fg_color, visuals.error_fg_color, visuals.hyperlink_color, fine(visuals), on_panel, before(visuals), after(visuals)]
-            {
+            for colour in [
+                visuals.warn_fg_color,
+                visuals.error_fg_color,
+                visuals.hyperlink_color,
+                fine(visuals),
+                on_panel,
+                before(visuals),
+                after(visuals),
+            ] {
                 assert!(contrast(colour, panel) >= 4.5, "{theme:?} {colour:?}: {:.2}", contrast(colour, panel));
             }
             let chosen = contrast(visuals.selection.stroke.color, visuals.selection.bg_fill);

@@ -25,9 +25,9 @@ use crate::app::state::preferences::{Folders, Theme};
 use crate::app::state::results::Next;
 use crate::app::state::session::{Open, Session};
 use crate::app::views::{self, Canvases};
-use crate::app::widgets::theme;
+use crate::app::widgets::theme::{self, Weight};
 use crate::gpu;
-use commands::{CommandId, Target};
+use commands::{CommandId, Found, Target};
 use device::DeviceWatch;
 use start::{Chosen, StartScreen, opening};
 
@@ -229,6 +229,19 @@ impl Window {
         }
     }
 
+    /// What was chosen in the palette; a command is left to be run.
+    fn take_found(&mut self, found: Found) -> Option<CommandId> {
+        match found {
+            Found::Command(id) => return Some(id),
+            Found::Picture(shown) => self.session.views.show(shown),
+            Found::Order(m) => self.session.edit(&format!("Choose order m = {m}"), |document| {
+                document.set.separation.bounces = Some(m);
+            }),
+            Found::Recent(folder) => self.chrome.open_set(&mut self.session, opening(folder)),
+        }
+        None
+    }
+
     fn workplace(&mut self, ui: &mut Ui) {
         let Self { session, panels, canvases, chrome, .. } = self;
         steps::ui(ui, session);
@@ -253,7 +266,7 @@ impl Window {
         if chrome.shows.inspector {
             SidePanel::right("inspector").resizable(false).exact_size(RIGHT).show(ui, |ui| {
                 within(ui, |ui| {
-                    ui.label(RichText::new("Inspector").strong());
+                    ui.label(RichText::new("Inspector").semi_bold());
                     ui.separator();
                     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| panels.inspector.ui(ui, session));
                 });
@@ -319,7 +332,7 @@ impl App for Window {
                 None => {}
             }
         }
-        let by_palette = self.chrome.palette.ui(&context, &self.session);
+        let by_palette = self.chrome.palette.ui(&context, &self.session).and_then(|found| self.take_found(found));
         self.chrome.dialogs(&context, &mut self.session);
         toasts::ui(&context, &mut self.session.log);
         self.run_chosen(&context, vec![by_keys, by_menu, by_start, by_palette]);

@@ -8,7 +8,7 @@ use crate::app::base::dialogs::Choose;
 use crate::app::state::document::{LeftOpening, Recovered};
 use crate::app::state::session::{Open, Session};
 use crate::app::widgets::path_field::PathField;
-use crate::app::widgets::theme;
+use crate::app::widgets::theme::{self, Weight};
 
 const NEEDED: [&str; 4] = [
     "photos of the object under at least three lamps, each in two colours or more, best in 16 bits, and without clipping",
@@ -55,7 +55,7 @@ impl StartScreen {
 
     fn column(&mut self, ui: &mut Ui, session: &mut Session, chosen: &mut Option<Chosen>) {
         ui.add_space(24.0);
-        ui.label(RichText::new("Firstbounce").strong().size(28.0));
+        ui.label(RichText::new("Firstbounce").semi_bold().size(28.0));
         ui.label("Shape from photos under several lamps, without the light between an object's own walls.");
         ui.add_space(16.0);
         self.offer_recovered(ui, session, chosen);
@@ -86,7 +86,7 @@ impl StartScreen {
         }
         ui.add_space(16.0);
         recent(ui, session, chosen);
-        ui.label(RichText::new("For a set of your own you need").strong());
+        ui.label(RichText::new("For a set of your own you need").semi_bold());
         NEEDED.iter().for_each(|needed| {
             ui.label(format!("\u{2022} {needed}"));
         });
@@ -159,7 +159,7 @@ fn recent(ui: &mut Ui, session: &Session, chosen: &mut Option<Chosen>) {
     if session.preferences.recent.is_empty() {
         return;
     }
-    ui.label(RichText::new("Recent sets").strong());
+    ui.label(RichText::new("Recent sets").semi_bold());
     for folder in &session.preferences.recent {
         if ui.link(folder.display().to_string()).clicked() {
             *chosen = Some(Chosen::Open(opening(folder.clone())));

@@ -7,7 +7,7 @@ use crate::app::state::panel::{PanelName, StepState};
 use crate::app::state::session::Session;
 use crate::app::state::words::in_window;
 use crate::app::widgets::advice::sentence;
-use crate::app::widgets::theme;
+use crate::app::widgets::theme::{self, Weight};
 
 /// Of the line below the steps, in points: it stays as high whatever it says.
 const MESSAGE_HEIGHT: f32 = 22.0;
@@ -45,7 +45,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
             for (number, name) in (1..).zip(PanelName::ALL) {
                 let state = name.state(session);
                 let (sign, colour) = look(&state, ui);
-                let text = RichText::new(format!("{number}  {}", name.title())).strong();
+                let text = RichText::new(format!("{number}  {}", name.title())).semi_bold();
                 let is_open = session.panel == name;
                 let step = ui.selectable_label(is_open, text);
                 step.widget_info(|| {

@@ -16,6 +16,7 @@ use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 use crate::app::widgets::number_field::fixed;
 use crate::app::widgets::part::part;
+use crate::app::widgets::theme::Weight;
 
 /// A click may miss the ball by as many radii.
 const NEAR_RADII: f64 = 2.0;
@@ -63,7 +64,7 @@ impl Balls {
         self.take_found(session);
         let document = session.document();
         let balls = balls_of(&document.set);
-        ui.label(RichText::new("Balls").strong());
+        ui.label(RichText::new("Balls").semi_bold());
         if balls.is_empty() {
             advice(
                 ui,
@@ -110,14 +111,15 @@ impl Balls {
         let old = circle.unwrap_or_else(|| circle_to_start_with(session, subject));
         let mut new = old;
         ui.horizontal_wrapped(|ui| {
-            for (what, value) in [("x", 0), ("y", 1), ("radius", 2)] {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            for (what, short, value) in [("x", "x", 0), ("y", "y", 1), ("radius", "r", 2)] {
                 let number = match value {
                     2 => &mut new.radius,
                     axis => &mut new.centre[axis],
                 };
-                let name = ui.label(what);
+                let name = ui.label(short).on_hover_text("In pixels of the photo");
                 let range = if value == 2 { Number::Radius } else { Number::Centre }.range();
-                let field = fixed(number, 2, range).speed(0.05).suffix(" px");
+                let field = fixed(number, 2, range).speed(0.05);
                 let response = ui.add(field).labelled_by(name.id);
                 response.widget_info(|| {
                     eframe::egui::WidgetInfo::labeled(eframe::egui::Role::SpinButton, true, format!("{title}, {what}"))
@@ -148,12 +150,12 @@ impl Balls {
         }
         let snap = "Fits the circle to the edge nearby";
         if let Some(circle) = circle
-            && button(ui, "Snap to edge", format!("Snap {ball} to its edge"), snap)
+            && button(ui, "Snap", format!("Snap {ball} to its edge"), snap)
         {
             self.find(session, subject, kind, Look::Under(circle));
         }
         let rim = "The next three clicks in its photo are points of its rim";
-        if button(ui, "Three rim points", format!("Three rim points of {ball}"), rim) {
+        if button(ui, "Three points", format!("Three rim points of {ball}"), rim) {
             self.rim = Some(Rim { subject, kind, points: Vec::new() });
             if let Some(shot) = session.document().set.shots_of(subject).next().map(ShotName::of) {
                 session.views.show(Shown::Photo(shot));
@@ -164,7 +166,7 @@ impl Balls {
         let same = "For a ball that stood where the grey ball stood";
         if kind != SphereKind::Grey
             && let Some(circle) = of_grey
-            && button(ui, "Same circle as the grey ball", format!("Same circle as the grey ball, {ball}"), same)
+            && button(ui, "As the grey ball", format!("Same circle as the grey ball, {ball}"), same)
         {
             move_ball(session, subject, kind, circle);
         }

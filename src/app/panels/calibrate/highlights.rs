@@ -9,9 +9,12 @@ use firstbounce_core::calibrate::Highlight;
 use crate::app::state::results::ShotName;
 use crate::app::state::session::Session;
 use crate::app::views::Over;
+use crate::app::widgets::theme::Weight;
 
 const CHOSEN: Color32 = Color32::from_rgb(80, 220, 120);
 const OTHER: Color32 = Color32::from_rgb(240, 150, 60);
+/// Candidates below this share are not offered.
+const UNLIKELY: f64 = 0.005;
 /// A direction that agrees with a candidate's to this is that candidate's.
 const SAME: f64 = 1e-9;
 
@@ -34,9 +37,10 @@ impl Deleted {
                     continue;
                 }
                 let chosen = chosen(session, &light.name, &report.candidates);
-                ui.label(RichText::new(&light.name).strong());
+                ui.label(RichText::new(&light.name).semi_bold());
                 for (index, candidate) in report.candidates.iter().enumerate() {
-                    if !self.is_deleted(&light.name, index, &report.candidates) {
+                    let is_likely = candidate.score >= UNLIKELY || chosen == Some(index);
+                    if is_likely && !self.is_deleted(&light.name, index, &report.candidates) {
                         self.row(ui, session, &light.name, &report.candidates, index, candidate, chosen == Some(index));
                     }
                 }

@@ -8,7 +8,7 @@ use firstbounce_core::trust::Level;
 use crate::app::state::session::Session;
 use crate::app::widgets::number_field::fixed;
 use crate::app::widgets::part::part;
-use crate::app::widgets::theme;
+use crate::app::widgets::theme::{self, Weight};
 
 /// Between the cells of the table, in points.
 const SPACING: Vec2 = vec2(16.0, 8.0);
@@ -26,7 +26,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session, in_force: &Calibrated, measured: O
     let document = session.document();
     let set = &document.set;
     let heading = |ui: &mut Ui, text: &str, meaning: &str| {
-        ui.label(RichText::new(text).strong()).on_hover_text(meaning);
+        ui.label(RichText::new(text).semi_bold()).on_hover_text(meaning);
     };
     let others = || set.colours.iter().enumerate().skip(1);
     if set.colours.len() > 1 {
@@ -51,7 +51,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session, in_force: &Calibrated, measured: O
         heading(ui, "Direction x, y, z", "To the light: x right, y up, z toward the camera; of any length");
         ui.end_row();
         for (l, light) in set.lights.iter().enumerate() {
-            ui.label(RichText::new(&light.name).strong());
+            ui.label(RichText::new(&light.name).semi_bold());
             for (c, _) in others() {
                 ui.vertical(|ui| part(ui, (l, c), |ui| alpha(ui, session, set, in_force, measured, (l, c))));
             }
@@ -208,7 +208,7 @@ fn judged(ui: &mut Ui, label: &str, source: &str, typed: bool, verdict: Option<V
     let mut back = false;
     ui.horizontal(|ui| {
         if let Some(verdict) = &verdict {
-            ui.label(RichText::new(verdict.level.words()).small().strong().color(colour(ui, verdict.level)));
+            ui.label(RichText::new(verdict.level.words()).small().semi_bold().color(colour(ui, verdict.level)));
         }
         let source = if typed && source == Source::File.words() { "typed or from capture.toml" } else { source };
         ui.label(RichText::new(source).small().weak());

@@ -15,6 +15,7 @@ use super::questions::{Questions, questions};
 use crate::app::state::session::Session;
 use crate::app::widgets::name_field::name_field;
 use crate::app::widgets::part::part;
+use crate::app::widgets::theme::Weight;
 
 /// Files that the user dropped, before they are the set's.
 pub struct Incoming {
@@ -91,7 +92,7 @@ impl Incoming {
     /// Shows the files; whether they are done with.
     pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
         let document = session.document();
-        ui.label(RichText::new(format!("{} to add", count_of(self.files.len()))).strong());
+        ui.label(RichText::new(format!("{} to add", count_of(self.files.len()))).semi_bold());
         let options = self.options(ui);
         let mut after = document.set.clone();
         let previews = self.apply(&mut after, options.as_ref());

@@ -18,6 +18,7 @@ use crate::app::state::results::ShotName;
 use crate::app::state::session::Session;
 use crate::app::views::Over;
 use crate::app::widgets::path_field::PathField;
+use crate::app::widgets::theme::Weight;
 
 /// The longest side of the tint that shows the draft; larger masks are shown coarser.
 const MAX_SIDE: usize = 1024;
@@ -77,7 +78,7 @@ impl Default for MaskPart {
 impl MaskPart {
     pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
         let document = session.document();
-        ui.label(RichText::new("Mask: which pixels are the object").strong());
+        ui.label(RichText::new("Mask: which pixels are the object").semi_bold());
         ui.label(match &document.set.mask {
             Some(file) => file.clone(),
             None => "none: the brighter part of the photos is used".into(),

@@ -30,6 +30,7 @@ use crate::app::views::Over;
 use crate::app::widgets::advice::advice;
 use crate::app::widgets::part::part;
 use crate::app::widgets::path_field::PathField;
+use crate::app::widgets::theme::Weight;
 
 /// The panel.
 #[derive(Default)]
@@ -188,7 +189,7 @@ fn warnings(ui: &mut Ui, session: &Session) {
         return;
     }
     ui.separator();
-    ui.label(RichText::new("Capture warnings").strong());
+    ui.label(RichText::new("Capture warnings").semi_bold());
     for (place, line) in (1..).zip(captures.lines()) {
         ui.label(RichText::new(format!("{place}. {line}")).color(ui.visuals().warn_fg_color));
     }

@@ -8,6 +8,7 @@ use super::incoming::{name_box, subject_box};
 use crate::app::state::layout::Shown;
 use crate::app::state::results::ShotName;
 use crate::app::state::session::Session;
+use crate::app::widgets::theme::Weight;
 
 /// Everything about one shot that the user may change.
 pub fn ui(ui: &mut Ui, session: &mut Session, name: &ShotName, selected: &mut Option<ShotName>) {
@@ -21,7 +22,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session, name: &ShotName, selected: &mut Op
     let mut new = old.clone();
     let mut remove = false;
     ui.group(|ui| {
-        ui.label(RichText::new(&title).strong());
+        ui.label(RichText::new(&title).semi_bold());
         place(ui, session, &mut new);
         optional(
             ui,

@@ -16,6 +16,7 @@ use crate::app::state::layout::Shown;
 use crate::app::state::log::Level;
 use crate::app::state::results::{Loaded, ShotName};
 use crate::app::state::session::Session;
+use crate::app::widgets::theme::Weight;
 
 const THUMBNAIL_PX: usize = 96;
 const THUMBNAIL_POINTS: f32 = 64.0;
@@ -57,7 +58,7 @@ impl Table {
         let document = session.document();
         for table in document.set.tables(session.problems()) {
             let title = table.subject.title();
-            ui.label(RichText::new(title).strong());
+            ui.label(RichText::new(title).semi_bold());
             Grid::new(title)
                 .spacing(vec2(8.0, 6.0))
                 .show(ui, |ui| self.grid(ui, session, &document.set, &table, selected));

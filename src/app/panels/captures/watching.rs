@@ -82,7 +82,8 @@ impl Watching {
         }
         self.lines.truncate(LINES);
         let shown = self.waiting.iter().zip(&taken).filter(|(file, _)| Some(*file) == last.as_ref());
-        let shown = shown.flat_map(|(_, of)| of.shots()).filter_map(|&shot| set.shots.get(shot)).map(ShotName::of).next();
+        let shown =
+            shown.flat_map(|(_, of)| of.shots()).filter_map(|&shot| set.shots.get(shot)).map(ShotName::of).next();
         let open: Vec<PathBuf> = self
             .waiting
             .iter()
@@ -94,7 +95,10 @@ impl Watching {
         let complete = set.present().0;
         let is_in = |file: &PathBuf| {
             let written = complete.written(file);
-            complete.shots.iter().any(|shot| shot.files.iter().any(|name| complete.resolve(name) == complete.resolve(&written)))
+            complete
+                .shots
+                .iter()
+                .any(|shot| shot.files.iter().any(|name| complete.resolve(name) == complete.resolve(&written)))
         };
         self.waiting.retain(|file| !is_in(file) && !open.contains(file));
         let brings_shots = complete.shots.len() > document.set.shots.len();

@@ -7,7 +7,7 @@ mod polynomial;
 mod region;
 mod tool;
 
-use eframe::egui::{CollapsingHeader, Ui};
+use eframe::egui::{CollapsingHeader, ScrollArea, Ui, vec2};
 use firstbounce_capture::set::Subject;
 
 use super::Panel;
@@ -16,6 +16,10 @@ use crate::app::state::session::Session;
 use crate::app::views::Over;
 use crate::app::views::picture;
 use crate::app::widgets::advice::advice;
+
+/// Of what changes with the pointer, in points.
+const CURSOR_HEIGHT: f32 = 190.0;
+const POLYNOMIAL_HEIGHT: f32 = 250.0;
 
 /// The panel.
 #[derive(Default)]
@@ -30,10 +34,14 @@ impl Panel for Inspector {
     fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
         let document = session.document();
         self.cursor.follow(session.views.hover.as_ref());
-        section(ui, "Under the cursor", |ui| self.cursor.ui(ui, &document, session));
-        section(ui, "N(beta) of this pixel", |ui| match self.cursor.at() {
-            Some(at) => polynomial::ui(ui, at, &document, session),
-            None => advice(ui, "Point at a pixel of the object."),
+        section(ui, "Under the cursor", |ui| {
+            of_height(ui, "cursor", CURSOR_HEIGHT, |ui| self.cursor.ui(ui, &document, session));
+        });
+        section(ui, "N(beta) of this pixel", |ui| {
+            of_height(ui, "polynomial", POLYNOMIAL_HEIGHT, |ui| match self.cursor.at() {
+                Some(at) => polynomial::ui(ui, at, &document, session),
+                None => advice(ui, "Point at a pixel of the object."),
+            });
         });
         let Some(shown) = session.views.active().map(|view| view.shown.clone()) else { return };
         match picture(&shown, &document, &session.results) {
@@ -59,6 +67,15 @@ impl Panel for Inspector {
 
 /// Pictures of one subject lie on each other, and share what is drawn on them.
 type OnSubject<T> = Option<(Subject, T)>;
+
+/// Content whose height stays the same while the pointer moves, so that nothing below it does.
+fn of_height(ui: &mut Ui, salt: &str, height: f32, content: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), height);
+    ui.allocate_ui(size, |ui| {
+        ui.set_min_size(size);
+        ScrollArea::vertical().id_salt(salt).auto_shrink(false).max_height(height).show(ui, content);
+    });
+}
 
 fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
     CollapsingHeader::new(title).default_open(true).show(ui, content);

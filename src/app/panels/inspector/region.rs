@@ -11,6 +11,7 @@ use crate::app::base::keyed::Keyed;
 use crate::app::state::layout::Shown;
 use crate::app::state::session::Session;
 use crate::app::views::Picture;
+use crate::app::widgets::theme::Weight;
 use crate::gpu::Source;
 
 const BINS: usize = 128;
@@ -152,7 +153,7 @@ fn table(ui: &mut Ui, channels: &[&str], measured: &Measured) {
         if channels.len() > 1 {
             ui.label("");
             channels.iter().for_each(|channel| {
-                ui.label(RichText::new(*channel).strong());
+                ui.label(RichText::new(*channel).semi_bold());
             });
             ui.end_row();
         }

@@ -8,6 +8,7 @@ use super::OnSubject;
 use crate::app::views::Over;
 use crate::app::views::canvas::Transform;
 use crate::app::widgets::number_field::up_to;
+use crate::app::widgets::theme::Weight;
 
 /// What dragging on a picture draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,7 +53,7 @@ impl Tools {
 
     pub fn ui(&mut self, ui: &mut Ui, subject: Subject, size: (usize, usize)) {
         ui.add_space(4.0);
-        ui.label(RichText::new("Dragging on a picture draws").strong());
+        ui.label(RichText::new("Dragging on a picture draws").semi_bold());
         ui.horizontal_wrapped(|ui| {
             for (tool, name) in Tool::ALL {
                 ui.radio_value(&mut self.tool, tool, name);

@@ -6,6 +6,7 @@ use firstbounce_capture::set::Number;
 use crate::app::state::document::Document;
 use crate::app::state::session::Session;
 use crate::app::widgets::number_field::fixed;
+use crate::app::widgets::theme::Weight;
 
 pub fn ui(ui: &mut Ui, document: &Document, session: &mut Session) {
     let set = &document.set;
@@ -15,7 +16,7 @@ pub fn ui(ui: &mut Ui, document: &Document, session: &mut Session) {
     }
     ui.add_space(4.0);
     let reference = &set.colours[0].name;
-    ui.label(RichText::new(format!("beta: albedo over that in {reference}")).strong());
+    ui.label(RichText::new(format!("beta: albedo over that in {reference}")).semi_bold());
     let measured = session.results.measured();
     let measured = measured.as_deref().and_then(|measured| measured.calibrated.beta.clone());
     Grid::new("beta").num_columns(3).show(ui, |ui| {

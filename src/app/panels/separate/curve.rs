@@ -6,6 +6,7 @@ use firstbounce_core::trust::{ColourPair, TrustOptions, gain_of_ratio, pairs};
 
 use crate::app::state::document::Document;
 use crate::app::state::session::Session;
+use crate::app::widgets::theme::Weight;
 
 /// Larger gains lie beyond the plot: what counts is where the curve leaves it.
 const LARGEST_GAIN: f64 = 32.0;
@@ -26,7 +27,7 @@ pub fn ui(ui: &mut Ui, document: &Document, options: &TrustOptions, session: &Se
         .collect();
     let widest = named.iter().map(|(pair, _)| pair.ratio).fold(1.6, f64::max) * 1.1;
     ui.add_space(4.0);
-    ui.label(RichText::new("Gain of bounce 1 against albedo ratio").strong());
+    ui.label(RichText::new("Gain of bounce 1 against albedo ratio").semi_bold());
     let plot = Plot::new("gain against ratio")
         .height(HEIGHT)
         .allow_drag(false)

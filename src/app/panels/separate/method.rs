@@ -8,26 +8,28 @@ use crate::app::state::layout::Shown;
 use crate::app::state::results::{Plain, StageState, Step};
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::sentence;
+use crate::app::widgets::theme::Weight;
 
 /// Of the line that says how far the method is: the same whatever it says, so that nothing below it moves.
 const LINE_HEIGHT: f32 = 20.0;
 
 pub fn choice(ui: &mut Ui, document: &Document, session: &mut Session) {
-    ui.label(RichText::new("Method").strong());
+    ui.label(RichText::new("Method").semi_bold());
     let one_colour = document.set.colours.len() < 2;
     for method in Method::ALL {
         let impossible = method.impossible_for(&document.set);
         let is_chosen = document.method() == method && impossible.is_none();
         let radio = ui.add_enabled(impossible.is_none(), RadioButton::new(is_chosen, name(method)));
         let why = impossible.map(sentence);
-        let radio = radio.on_hover_text(method.purpose()).on_disabled_hover_text(why.as_deref().unwrap_or_default());
+        let radio = radio.on_hover_text(purpose(method)).on_disabled_hover_text(why.as_deref().unwrap_or_default());
         if radio.clicked() {
             session.edit(&format!("Separate by {}", method.title()), |document| {
                 document.set.separation.method = Some(method);
             });
         }
-        let line = why.unwrap_or_else(|| purpose(method).to_owned());
-        ui.indent(name(method), |ui| ui.label(RichText::new(line).small().weak()));
+        if let Some(why) = why {
+            ui.indent(name(method), |ui| ui.label(RichText::new(why).small().weak()));
+        }
     }
     if one_colour {
         // Without a second colour the paper's method takes nothing away.

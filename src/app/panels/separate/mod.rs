@@ -18,6 +18,7 @@ use crate::app::state::results::{StageError, StageState, Step};
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::advice;
 use crate::app::widgets::part::part;
+use crate::app::widgets::theme::Weight;
 
 /// The panel. It keeps the last verdict, which costs a few milliseconds.
 #[derive(Default)]
@@ -114,7 +115,7 @@ impl Separate {
 fn order(ui: &mut Ui, title: &str, document: &Document, session: &mut Session) {
     let (colours, chosen) = (document.set.colours.len(), document.set.bounces());
     ui.add_space(4.0);
-    ui.label(RichText::new(title).strong());
+    ui.label(RichText::new(title).semi_bold());
     ui.horizontal_wrapped(|ui| {
         for m in 1..=colours.max(chosen) {
             let choice = ui.radio(m == chosen, format!("m = {m}"));

@@ -1,5 +1,6 @@
 //! The evidence of the verdict, as numbers with units.
 
+use crate::app::widgets::theme::Weight;
 use eframe::egui::{CollapsingHeader, Grid, RichText, Ui};
 use firstbounce_capture::CaptureSet;
 use firstbounce_core::trust::{LightTrust, NO_DIRECTION_DEG, Trust};
@@ -74,7 +75,7 @@ fn truncation(trust: &Trust) -> String {
 fn each_light(ui: &mut Ui, trust: &Trust, set: &CaptureSet) {
     Grid::new("each light").striped(true).show(ui, |ui| {
         for heading in ["Light", "Gain", "Noise", "Calibration", "Truncation", "Returned"] {
-            ui.label(RichText::new(heading).strong());
+            ui.label(RichText::new(heading).semi_bold());
         }
         ui.end_row();
         for (light, found) in set.lights.iter().zip(&trust.lights) {

@@ -9,7 +9,7 @@ use super::{choose_order, names};
 use crate::app::state::document::Document;
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::sentence;
-use crate::app::widgets::theme;
+use crate::app::widgets::theme::{self, Weight};
 
 pub fn ui(ui: &mut Ui, trust: &Trust, document: &Document, session: &mut Session) {
     let set = &document.set;
@@ -20,7 +20,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust, document: &Document, session: &mut Session
     Frame::group(ui.style()).stroke(Stroke::new(2.0, colour)).show(ui, |ui| {
         ui.set_width(ui.available_width());
         let verdict = format!("{} {}", sign(trust.level), title(trust.level));
-        ui.label(RichText::new(verdict).strong().size(17.0).color(colour));
+        ui.label(RichText::new(verdict).semi_bold().size(17.0).color(colour));
         if trust.reasons.is_empty() {
             ui.label("Noise, calibration error and truncation bias are small.");
         }
@@ -37,7 +37,7 @@ pub fn ui(ui: &mut Ui, trust: &Trust, document: &Document, session: &mut Session
     let better: Vec<_> = trust.advice.iter().filter(is_open).collect();
     if !better.is_empty() {
         ui.add_space(4.0);
-        ui.label(RichText::new("Better").strong());
+        ui.label(RichText::new("Better").semi_bold());
         for advice in better {
             line(ui, advice, &names, set, session);
         }

@@ -6,14 +6,14 @@ use firstbounce_capture::pipeline::Evaluation;
 use crate::app::state::document::Document;
 use crate::app::state::results::{Plain, Shapes, SurfaceName};
 use crate::app::state::session::Session;
-use crate::app::widgets::theme::{after, before};
+use crate::app::widgets::theme::{Weight, after, before};
 
 /// The card; `truth` is what a truth says, `session.reference` what a scan says.
 pub fn ui(ui: &mut Ui, session: &Session, document: &Document, shapes: &Shapes, truth: Option<&Evaluation>) {
     Frame::group(ui.style()).show(ui, |ui| {
         ui.set_width(ui.available_width());
         if let Some(turned) = shapes.turned {
-            ui.label(RichText::new(format!("Normals turned by {:.1}\u{b0}", turned.mean_deg)).strong().size(16.0));
+            ui.label(RichText::new(format!("Normals turned by {:.1}\u{b0}", turned.mean_deg)).semi_bold().size(16.0));
         }
         let unit = (Plain::Depth.row().quantity)(&document.set).unit;
         if let (Some(was), Some(is)) = (height(session, SurfaceName::Before), height(session, SurfaceName::After)) {
@@ -37,7 +37,7 @@ fn line(ui: &mut Ui, what: &str, was: String, is: String) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
         ui.label(what);
-        let number = |text: String, colour: Color32| RichText::new(text).strong().size(15.0).color(colour);
+        let number = |text: String, colour: Color32| RichText::new(text).semi_bold().size(15.0).color(colour);
         ui.label(number(was, before(ui.visuals()))).on_hover_text("Before");
         ui.label("\u{2192}");
         ui.label(number(is, after(ui.visuals()))).on_hover_text("After");

@@ -11,12 +11,13 @@ use crate::app::state::layout::Shown;
 use crate::app::state::results::{ByMethod, Of, Plain, StageState, Step, SurfaceName};
 use crate::app::state::session::Session;
 use crate::app::widgets::advice::{advice, sentence};
+use crate::app::widgets::theme::Weight;
 
 const HEIGHT: f32 = 170.0;
 
 /// `errors` are what the truth says of every iteration, where it was asked.
 pub fn ui(ui: &mut Ui, session: &mut Session, document: &Document, errors: Option<&NayarErrors>) {
-    ui.label(RichText::new("Another method, to compare").strong());
+    ui.label(RichText::new("Another method, to compare").semi_bold());
     for method in Method::ALL.into_iter().filter(|method| *method != document.method()) {
         one(ui, session, document, method, errors);
     }

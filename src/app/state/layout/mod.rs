@@ -177,7 +177,8 @@ impl Views {
         let own = [(self.step, &self.tree, &self.begun_as)].into_iter();
         let all = own.chain(self.left.iter().map(|left| (left.step, &left.tree, &left.begun_as)));
         let changed = all.filter(|(_, _, begun_as)| begun_as.is_none());
-        let steps = changed.map(|(step, tree, _)| (step.title().to_owned(), serde_json::to_value(tree).unwrap_or_default()));
+        let steps =
+            changed.map(|(step, tree, _)| (step.title().to_owned(), serde_json::to_value(tree).unwrap_or_default()));
         Value::Object(Map::from_iter([(STEPS.to_owned(), Value::Object(steps.collect()))]))
     }
 
@@ -190,7 +191,8 @@ impl Views {
         };
         let mut views = Self::default();
         for step in PanelName::ALL {
-            let Some(tree) = of_step(step).and_then(|kept| serde_json::from_value::<Tree<View>>(kept.clone()).ok()) else {
+            let Some(tree) = of_step(step).and_then(|kept| serde_json::from_value::<Tree<View>>(kept.clone()).ok())
+            else {
                 continue;
             };
             let Some(tree) = rebuild::rebuilt(&tree, &mut views.next_id) else { continue };
@@ -281,6 +283,7 @@ impl Views {
 
     /// The same, to be changed.
     pub fn active_mut(&mut self) -> Option<&mut View> {
+        self.note_change();
         let active = self.active;
         self.tree.tiles.tiles_mut().find_map(|tile| match tile {
             egui_tiles::Tile::Pane(view) if Some(view.id) == active => Some(view),
@@ -308,17 +311,17 @@ impl Views {
         let shown = shown.into();
         if self.tree.root().is_none() {
             self.wanted = Some(shown);
-        } else if let Some(view) = self.active_mut()
-            && view.shown != shown
+        } else if self.active().is_some_and(|view| view.shown != shown)
+            && let Some(view) = self.active_mut()
         {
             view.shown = shown;
             view.look = Look::default();
-            self.note_change();
         }
     }
 
     /// Changes every linked view of a picture at once.
     pub fn change_linked(&mut self, mut change: impl FnMut(&mut View)) {
+        self.note_change();
         for tile in self.tree.tiles.tiles_mut() {
             if let egui_tiles::Tile::Pane(view) = tile
                 && view.linked

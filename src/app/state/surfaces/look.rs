@@ -51,8 +51,8 @@ impl LayerName {
     /// The same within a sentence.
     pub fn in_sentence(self) -> &'static str {
         match self {
-            Self::AFTER => "after",
-            Self::Surface(SurfaceName::Before) => "before",
+            Self::AFTER => "the surface after",
+            Self::Surface(SurfaceName::Before) => "the surface before",
             Self::Surface(SurfaceName::By(method)) => method.title(),
             Self::Reference => "reference",
         }
@@ -225,10 +225,10 @@ impl SurfaceLook {
     pub fn title(&self) -> String {
         let seen: Vec<_> = LayerName::all().filter(|name| self.layer(*name).visible).map(LayerName::title).collect();
         match seen.as_slice() {
-            [] => "Surface in 3D".into(),
+            [] => "Nothing".into(),
             // A scan is drawn where there is one.
-            [one] | [one, "Reference"] => format!("{one}, 3D"),
-            several => format!("{}, 3D", several.join(" and ").to_lowercase()),
+            [one] | [one, "Reference"] => (*one).into(),
+            several => several.join(" and "),
         }
     }
 

@@ -33,7 +33,7 @@ impl Surfaces {
             layer.poll();
             let key = Same(mesh.clone());
             if layer.wants(&key) {
-                let job = format!("Prepare the surface: {}", name.in_sentence());
+                let job = format!("Prepare {}", name.in_sentence());
                 layer.start(key, jobs.start(job, move |_| Prepared::new(mesh)));
             }
         }

@@ -14,8 +14,8 @@ use crate::app::state::surfaces::{LayerName, SurfaceLook};
 use crate::app::views::canvas::legend;
 use crate::gpu::mesh::{Bounds, Frame, MeshCallback, PlaneDrawing, Scene, Shading};
 
-/// The accessible name.
-pub const LABEL: &str = "Surface in 3D";
+/// What the accessible name begins with; the surfaces follow.
+const LABEL: &str = "Surface in 3D";
 /// Shows the surface before instead of after for as long as it is held.
 const HOLD_KEY: Key = Key::B;
 const TURNTABLE_DEG_PER_S: f64 = 30.0;
@@ -198,7 +198,8 @@ fn describe(
     frame: &Frame,
     unit: &str,
 ) {
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), LABEL));
+    let label = format!("{LABEL}, {}", look.title());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), &label));
     let names: Vec<_> = seen.iter().map(|seen| seen.name.in_sentence()).collect();
     let bar = ScaleBar::of(frame, response.rect.width());
     let mut value = format!("{}, {}, scale bar {}", names.join(" and "), look.shade.name(), bar.words(unit));

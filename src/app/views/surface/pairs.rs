@@ -7,6 +7,7 @@ use super::canvas;
 use super::tool::{Picked, Tool, ViewState};
 use crate::app::state::session::Session;
 use crate::app::state::surfaces::{LayerName, Shade, SurfaceLook};
+use crate::app::widgets::theme::Weight;
 use crate::gpu::mesh::Shading;
 
 /// The view in the place of the usual one; whether it was touched.
@@ -14,7 +15,7 @@ pub fn ui(ui: &mut Ui, look: &mut SurfaceLook, state: &mut ViewState, session: &
     let Some(pairs) = session.reference.pairs.clone() else { return false };
     let layer = pairs.next();
     ui.horizontal_wrapped(|ui| {
-        ui.label(RichText::new(pairs.words()).strong());
+        ui.label(RichText::new(pairs.words()).semi_bold());
         if ui.button("Take the last point back").clicked()
             && let Some(pairs) = &mut session.reference.pairs
         {

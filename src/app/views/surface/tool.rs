@@ -153,7 +153,7 @@ impl ViewState {
 /// "Point on direct light: x 1.25, y -3.50, z 20.13 mm"
 pub fn point_words(picked: &Picked, unit: &str) -> String {
     let [x, y, z]: [f64; 3] = picked.point.into();
-    format!("Point on {}: x {x:.3}, y {y:.3}, z {z:.3} {unit}", picked.layer.title().to_lowercase())
+    format!("Point on {}: x {x:.3}, y {y:.3}, z {z:.3} {unit}", picked.layer.in_sentence())
 }
 
 #[cfg(test)]

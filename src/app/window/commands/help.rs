@@ -1,8 +1,9 @@
 //! The help sheet: every command with its keys, and what the mouse does.
 
-use eframe::egui::{Context, Grid, RichText, ScrollArea, Window};
+use eframe::egui::{Context, Grid, Key, Modifiers, RichText, ScrollArea, Window};
 
 use super::{COMMANDS, Menu};
+use crate::app::widgets::theme::Weight;
 
 /// What works without a command.
 const BY_HAND: [(&str, &str); 8] = [
@@ -30,10 +31,13 @@ impl HelpSheet {
 
     /// Shows it while it is open.
     pub fn ui(&mut self, context: &Context) {
+        if self.is_open && context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
+            self.is_open = false;
+        }
         Window::new("Keys and commands").open(&mut self.is_open).default_width(420.0).show(context, |ui| {
             ScrollArea::vertical().max_height(480.0).show(ui, |ui| {
                 for menu in Menu::ALL {
-                    ui.label(RichText::new(menu.title()).strong());
+                    ui.label(RichText::new(menu.title()).semi_bold());
                     Grid::new(menu.title()).num_columns(2).striped(true).show(ui, |ui| {
                         for command in COMMANDS.iter().filter(|command| command.menu == menu) {
                             let keys = command.shortcut.as_ref().map(|keys| ui.ctx().format_shortcut(keys));
@@ -44,7 +48,7 @@ impl HelpSheet {
                     });
                     ui.add_space(6.0);
                 }
-                ui.label(RichText::new("In the views").strong());
+                ui.label(RichText::new("In the views").semi_bold());
                 Grid::new("by hand").num_columns(2).striped(true).show(ui, |ui| {
                     for (keys, what) in BY_HAND {
                         ui.label(keys);

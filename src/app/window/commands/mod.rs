@@ -18,7 +18,7 @@ use crate::gpu::mesh::StandardView;
 
 pub use help::HelpSheet;
 pub use menu::menu_bar;
-pub use palette::Palette;
+pub use palette::{Chosen as Found, Palette};
 
 /// What a command works on.
 pub struct Target<'a> {
@@ -260,7 +260,9 @@ pub static COMMANDS: &[Command] = &[
         t.session.panel = PanelName::Separate
     }),
     plain(CommandId::ShowShape, Menu::Steps, "Shape", alone(Key::Num4), open, |t| t.session.panel = PanelName::Shape),
-    plain(CommandId::ShowExport, Menu::Steps, "Export", alone(Key::Num5), open, |t| t.session.panel = PanelName::Export),
+    plain(CommandId::ShowExport, Menu::Steps, "Export", alone(Key::Num5), open, |t| {
+        t.session.panel = PanelName::Export
+    }),
     plain(CommandId::CancelJobs, Menu::Steps, "Cancel all jobs", None, always, |target| {
         target.session.jobs.running().iter().for_each(|job| job.cancel());
     }),
@@ -314,7 +316,9 @@ pub static COMMANDS: &[Command] = &[
         }
     }),
     plain(CommandId::OneView, Menu::View, "One view", alt(Key::Num1), open, |t| t.session.views.preset(1)),
-    plain(CommandId::TwoViews, Menu::View, "Two views side by side", alt(Key::Num2), open, |t| t.session.views.preset(2)),
+    plain(CommandId::TwoViews, Menu::View, "Two views side by side", alt(Key::Num2), open, |t| {
+        t.session.views.preset(2)
+    }),
     plain(CommandId::FourViews, Menu::View, "Four views", alt(Key::Num4), open, |t| t.session.views.preset(4)),
     plain(CommandId::ResetLayout, Menu::View, "Reset layout", None, open, |t| {
         let document = t.session.document();
@@ -325,12 +329,8 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::LeftView, Menu::View, "Left view", None, in_3d, |t| look_from(t, StandardView::Left)),
     plain(CommandId::RightView, Menu::View, "Right view", None, in_3d, |t| look_from(t, StandardView::Right)),
     plain(CommandId::TopView, Menu::View, "Top view", None, in_3d, |t| look_from(t, StandardView::Top)),
-    plain(CommandId::BottomView, Menu::View, "Bottom view", None, in_3d, |t| {
-        look_from(t, StandardView::Bottom)
-    }),
-    plain(CommandId::CornerView, Menu::View, "Corner view", None, in_3d, |t| {
-        look_from(t, StandardView::Corner)
-    }),
+    plain(CommandId::BottomView, Menu::View, "Bottom view", None, in_3d, |t| look_from(t, StandardView::Bottom)),
+    plain(CommandId::CornerView, Menu::View, "Corner view", None, in_3d, |t| look_from(t, StandardView::Corner)),
     plain(CommandId::Turntable, Menu::View, "Toggle turntable", alt(Key::T), in_3d, |t| {
         surface(t, |look| look.turntable ^= true);
     }),
@@ -388,7 +388,8 @@ pub fn pressed(context: &Context) -> Option<CommandId> {
     // A field that is being typed in keeps its letters and its own undo.
     let typing = context.text_edit_focused();
     let own = |shortcut: &KeyboardShortcut, id: CommandId| {
-        let is_letter = !shortcut.modifiers.command && !shortcut.modifiers.alt && !is_function_key(shortcut.logical_key);
+        let is_letter =
+            !shortcut.modifiers.command && !shortcut.modifiers.alt && !is_function_key(shortcut.logical_key);
         is_letter || matches!(id, CommandId::Undo | CommandId::Redo)
     };
     let mut keys: Vec<_> = COMMANDS.iter().filter_map(|command| Some((command.shortcut?, command.id))).collect();

@@ -13,6 +13,7 @@ use crate::app::base::dialogs::Choose;
 use crate::app::state::session::Session;
 use crate::app::widgets::number_field::up_to;
 use crate::app::widgets::part::part;
+use crate::app::widgets::theme::Weight;
 
 const MAX_COLOURS: usize = 8;
 const MAX_LAMPS: usize = 32;
@@ -32,7 +33,7 @@ pub fn ui(ui: &mut Ui, values: &mut Values, mesh: &mut MeshChoice, session: &mut
 
 fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(8.0);
-    ui.label(RichText::new(text).strong());
+    ui.label(RichText::new(text).semi_bold());
 }
 
 /// A field of a number, its name before it, as a row of a grid.

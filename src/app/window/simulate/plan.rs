@@ -10,7 +10,7 @@ use super::live::Live;
 use super::values::Values;
 use crate::app::base::jobs::Job;
 use crate::app::widgets::advice::advice;
-use crate::app::widgets::theme;
+use crate::app::widgets::theme::{self, Weight};
 
 const HEIGHT: f32 = 170.0;
 
@@ -68,7 +68,7 @@ pub fn compute(PlanFor { options, bounces }: &PlanFor, job: &Job) -> Result<Plan
 /// Shows the plan.
 pub fn ui(ui: &mut Ui, live: &Live<PlanFor, Planned>, values: &mut Values) {
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Rig planner").strong());
+        ui.label(RichText::new("Rig planner").semi_bold());
         if live.is_busy() {
             ui.label("is being computed...");
         }

@@ -11,6 +11,7 @@ use thiserror::Error;
 use super::live::Live;
 use crate::app::base::jobs::Job;
 use crate::app::widgets::advice::advice;
+use crate::app::widgets::theme::Weight;
 
 /// Side of the preview's pictures.
 const PIXELS: usize = 72;
@@ -123,7 +124,7 @@ fn grey(plane: &Plane, white: f32) -> ColorImage {
 /// Shows the preview.
 pub fn ui(ui: &mut Ui, live: &Live<SimulateOptions, Preview>, shown: &mut Shown) {
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Preview").strong());
+        ui.label(RichText::new("Preview").semi_bold());
         if live.is_busy() {
             ui.label("is being computed...");
         }
