@@ -233,7 +233,7 @@ fn the_next_run_begins_with_the_set_and_the_views_of_the_last() {
     next.steps();
     assert_eq!(next.session().document().set.folder, set);
     let shown: Vec<_> = next.session().views.all().map(|view| view.shown.clone()).collect();
-    assert!(shown.len() == 2 && shown.contains(&Plain::Depth.of(SurfaceName::Before).into()), "{shown:?}");
+    assert!(shown.len() == 3 && shown.contains(&Plain::Depth.of(SurfaceName::Before).into()), "{shown:?}");
 }
 
 #[test]

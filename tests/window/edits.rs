@@ -61,6 +61,7 @@ fn the_shape_panel_leaves_no_fewer_than_three_lights_and_shows_before_and_after(
     hands.rest();
     hands.press(Modifiers::NONE, Key::Num4);
     assert_eq!(hands.session().panel, PanelName::Shape);
+    hands.unfold("Lights and thresholds");
     assert!(hands.sees("Use left"));
     assert!(hands.sees("Mean change of the normals"));
     hands.harness.get_by_label("Use left").click();

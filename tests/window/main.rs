@@ -5,6 +5,7 @@
 
 mod around;
 mod captures;
+mod design;
 mod disk;
 mod edits;
 mod files;

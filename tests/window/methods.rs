@@ -138,6 +138,7 @@ fn every_other_method_is_compared_with_the_one_in_force() {
 fn the_paint_is_chosen_saved_and_told() {
     let mut hands = at(Hands::with_demo(), PanelName::Shape);
     assert!(hands.sees("One paint: albedo"));
+    hands.unfold("Lights and thresholds");
     choose(&mut hands, "Any paint");
     assert_eq!(hands.session().document().set.shape.paint, Paint::Any);
     hands.rest();

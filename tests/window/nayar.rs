@@ -123,7 +123,6 @@ fn the_truth_judges_both_methods_after_every_iteration() {
         document.set.calibration.grey_albedo = Some(0.6);
     });
     hands.rest();
-    hands.click_button("Compare with the truth");
     hands.wait_to_see("Normal error by Nayar's method, mean");
     assert!(hands.sees("Normal error, degrees: iteration 0: 15."));
 }

@@ -4,12 +4,10 @@
 
 use std::path::Path;
 
-use firstbounce::app::state::layout::Shown;
 use firstbounce::app::state::panel::PanelName;
-use firstbounce::app::state::results::{Of, Plain, ShotName, SurfaceName};
 use firstbounce::app::state::session::Open;
 use firstbounce::app::state::surfaces::LayerName;
-use firstbounce_capture::set::Subject;
+use firstbounce::app::window::commands::CommandId;
 
 use crate::harness::Hands;
 
@@ -22,36 +20,36 @@ fn make_screenshots() {
     let set = hands.demo();
     hands.open(Open::Set(set));
     hands.rest();
-    step(&mut hands, PanelName::Captures, photo(Subject::Object));
+    step(&mut hands, PanelName::Captures);
     save(&mut hands, "captures");
 
-    step(&mut hands, PanelName::Calibrate, photo(Subject::GreySphere));
+    step(&mut hands, PanelName::Calibrate);
     save(&mut hands, "calibrate");
 
-    step(&mut hands, PanelName::Separate, Plain::Direct.of(Of::light("left")).into());
+    step(&mut hands, PanelName::Separate);
     // A pixel near the crease, where there is indirect light to take out.
     hands.type_number("Column", "215");
     hands.type_number("Row", "150");
     save(&mut hands, "separate");
 
-    step(&mut hands, PanelName::Shape, Shown::Normals(SurfaceName::After));
+    step(&mut hands, PanelName::Shape);
+    hands.wait_until("the surfaces in 3D", |session| {
+        session.surfaces.is_at_rest() && session.surfaces.layer(LayerName::BEFORE).is_some()
+    });
+    step(&mut hands, PanelName::Shape);
     save(&mut hands, "shape");
 
-    step(&mut hands, PanelName::Shape, Shown::Surface);
-    hands.wait_until("the surface in 3D", |session| {
-        session.surfaces.is_at_rest() && session.surfaces.layer(LayerName::AFTER).is_some()
-    });
-    save(&mut hands, "surface");
+    step(&mut hands, PanelName::Export);
+    save(&mut hands, "export");
+
+    hands.run(CommandId::ThemeLight);
+    step(&mut hands, PanelName::Separate);
+    save(&mut hands, "separate-light");
 }
 
-fn photo(subject: Subject) -> Shown {
-    Shown::Photo(ShotName { subject, light: Some("left".into()), colour: Some("blue".into()) })
-}
-
-/// Opens a step with a picture and waits until all of it is there.
-fn step(hands: &mut Hands, panel: PanelName, shown: Shown) {
+/// Opens a step and waits until all of it is there.
+fn step(hands: &mut Hands, panel: PanelName) {
     hands.session().panel = panel;
-    hands.session().views.show(shown);
     hands.rest();
     // Pictures reach the card a little in each frame, and toasts go.
     for _ in 0..40 {

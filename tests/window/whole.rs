@@ -55,7 +55,7 @@ fn from_the_demo_by_click_and_order_to_a_mesh_that_others_read() {
     assert!(!hands.sees("Do not trust") && hands.sees("Take care"));
 
     // Look at the normals, and take the mesh along.
-    hands.choose_picture("Picture: Grey ball, left, blue", "Surface", "Normals after");
+    hands.choose_picture("Picture: Photo, left, blue", "Surface", "Normals after");
     hands.rest();
     hands.harness.get_by_role_and_label(Role::Image, "Normals after");
     hands.open_step("5  Export");

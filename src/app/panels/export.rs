@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{CollapsingHeader, DragValue, RichText, Role, Ui, WidgetInfo};
+use eframe::egui::{CollapsingHeader, DragValue, OpenUrl, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::export::{OutputOptions, stage_results, write_solved};
 use firstbounce_capture::image_file::{GreenAxis, GreyBits};
 use firstbounce_capture::mesh_file::{Axes, OutputFormat};
@@ -60,7 +60,9 @@ impl Panel for Export {
         let name = self.chosen(session, &document);
         let is_ready = session.results.state(last_stage_of(name), &document) == StageState::Ready;
         let can_write = is_ready && self.written.running().is_none() && !self.folder.text.trim().is_empty();
-        if ui.add_enabled(can_write, primary(ui.visuals(), "Write all results")).clicked()
+        let asked = std::mem::take(&mut session.export_asked) && can_write;
+        let button = ui.add_enabled(can_write, primary(ui.visuals(), "Write all results"));
+        if (asked || button.clicked())
             && let Some(finished) = session.results.finished(name, &document)
         {
             let folder = PathBuf::from(self.folder.text.trim());
@@ -181,6 +183,15 @@ impl Export {
     }
 }
 
+/// What the system opens with its program for such a file.
+fn file_url(path: &Path) -> String {
+    let path = path.display().to_string().replace('\\', "/");
+    let kept = |byte: u8| byte.is_ascii_alphanumeric() || b"/._-~:".contains(&byte);
+    let coded = path.bytes().map(|byte| if kept(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") });
+    let coded: String = coded.collect();
+    if coded.starts_with('/') { format!("file://{coded}") } else { format!("file:///{coded}") }
+}
+
 fn pictures(ui: &mut Ui, options: &mut OutputOptions) {
     heading(ui, "Pictures");
     ui.label("Direction of green in normals.png");
@@ -205,6 +216,17 @@ fn lights(ui: &mut Ui, options: &mut OutputOptions, document: &Document) {
 fn contents(ui: &mut Ui, folder: &Path, report: &Report) {
     ui.separator();
     ui.label(RichText::new(format!("Written into {}", folder.display())).semi_bold());
+    ui.horizontal_wrapped(|ui| {
+        for (text, path) in [("Open report", folder.join("report.html")), ("Open folder", folder.to_owned())] {
+            if ui.button(text).clicked() {
+                let path = std::path::absolute(&path).unwrap_or(path);
+                ui.ctx().open_url(OpenUrl::new_tab(file_url(&path)));
+            }
+        }
+        if ui.button("Copy path").clicked() {
+            ui.copy_text(folder.display().to_string());
+        }
+    });
     for line in report.export.decimation_lines() {
         ui.label(line);
     }
@@ -215,4 +237,14 @@ fn contents(ui: &mut Ui, folder: &Path, report: &Report) {
             ui.label(format!("{name}: {what}"));
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_address_of_a_file_names_spaces_and_letters_beyond_ascii_by_their_bytes() {
+        assert_eq!(file_url(Path::new("/a b/\u{fc}#1/report.html")), "file:///a%20b/%C3%BC%231/report.html");
+    }
 }

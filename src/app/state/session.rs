@@ -74,6 +74,8 @@ pub struct Session {
     pub preferences: Preferences,
     /// The step whose panel is open.
     pub panel: PanelName,
+    /// Whether a command asked for the results to be written.
+    pub export_asked: bool,
     pub(in crate::app) editor: Editor,
     pub(in crate::app) file: SetFile,
     system: System,
@@ -97,6 +99,7 @@ impl Session {
             log: Log::default(),
             preferences: Preferences::read(&folders.preferences),
             panel: PanelName::Captures,
+            export_asked: false,
             editor: Editor::default(),
             file: SetFile::new(&folders),
             system: System { folders, dialogs },

@@ -21,6 +21,7 @@ use eframe::{App, CreationContext};
 use crate::app::base::dialogs::Dialogs;
 use crate::app::panels::{Panel, Panels};
 use crate::app::state::document::save_everything_now;
+use crate::app::state::panel::PanelName;
 use crate::app::state::preferences::{Folders, Theme};
 use crate::app::state::results::Next;
 use crate::app::state::session::{Open, Session};
@@ -273,7 +274,12 @@ impl Window {
             });
         }
         let frame = Frame::central_panel(ui.style()).inner_margin(0.0);
-        CentralPanel::default_margins().frame(frame).show(ui, |ui| views::ui(ui, session, canvases, panels));
+        CentralPanel::default_margins().frame(frame).show(ui, |ui| {
+            let places_files = session.panel == PanelName::Captures && panels.captures.table_of_incoming(ui, session);
+            if !places_files {
+                views::ui(ui, session, canvases, panels);
+            }
+        });
     }
 }
 

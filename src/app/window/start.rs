@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Button, RichText, Role, ScrollArea, Ui, WidgetInfo};
+use eframe::egui::{
+    Button, Color32, Label, Pos2, RichText, Role, ScrollArea, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, vec2,
+};
 
 use crate::app::base::dialogs::Choose;
 use crate::app::state::document::{LeftOpening, Recovered};
@@ -10,15 +12,37 @@ use crate::app::state::session::{Open, Session};
 use crate::app::widgets::path_field::PathField;
 use crate::app::widgets::theme::{self, Weight};
 
-const NEEDED: [&str; 4] = [
-    "photos of the object under at least three lamps, each in two colours or more, best in 16 bits, and without clipping",
-    "photos of a matte grey ball under the same lamps and colours: how strong each lamp is in each colour",
-    "photos of a ball of the object's own paint, in the same way: how much of each colour the paint sends on",
-    "photos of a mirror ball under each lamp: where the lamps are",
+/// What a set of one's own needs, with what each photo is for.
+const NEEDED: [(Needed, &str, &str); 4] = [
+    (
+        Needed::Object,
+        "The object",
+        "at least three lamps, each in two colours or more, best in 16 bits, without clipping",
+    ),
+    (
+        Needed::GreyBall,
+        "A grey ball",
+        "matte, under the same lamps and colours: how strong each lamp is in each colour",
+    ),
+    (Needed::PaintBall, "A ball of its paint", "in the same way: how much of each colour the paint sends on"),
+    (Needed::MirrorBall, "A mirror ball", "under each lamp: where the lamps are"),
 ];
 
+/// A drawing beside what is needed.
+#[derive(Clone, Copy)]
+enum Needed {
+    Object,
+    GreyBall,
+    PaintBall,
+    MirrorBall,
+}
+
 /// Of the column in the middle, in points.
-const WIDTH: f32 = 640.0;
+const WIDTH: f32 = 760.0;
+/// Of the three ways to begin, in points.
+const CHOICE: Vec2 = vec2(240.0, 40.0);
+/// Of a drawing, in points.
+const DRAWING: f32 = 44.0;
 
 /// What the user chose.
 pub enum Chosen {
@@ -54,42 +78,44 @@ impl StartScreen {
     }
 
     fn column(&mut self, ui: &mut Ui, session: &mut Session, chosen: &mut Option<Chosen>) {
-        ui.add_space(24.0);
-        ui.label(RichText::new("Firstbounce").semi_bold().size(28.0));
-        ui.label("Shape from photos under several lamps, without the light between an object's own walls.");
-        ui.add_space(16.0);
+        ui.add_space(32.0);
+        ui.label(RichText::new("Firstbounce").semi_bold().size(32.0));
+        ui.label(RichText::new("True shape from photos of concave objects").size(16.0));
+        ui.label(RichText::new("Photometric stereo, without the light between an object's own walls.").weak());
+        ui.add_space(20.0);
         self.offer_recovered(ui, session, chosen);
         self.offer_left_opening(ui, session, chosen);
+        self.ways(ui, session, chosen);
+        ui.add_space(20.0);
+        recent(ui, session, chosen);
+        needed(ui);
+    }
 
-        if ui.add(theme::primary(ui.visuals(), "Open the demo")).clicked() {
-            *chosen = Some(Chosen::Open(Open::Demo));
-        }
-        ui.label(
-            "A corner of blue paint under three lamps in two colours, with its calibration balls: every step works at once.",
-        );
-        ui.add_space(8.0);
-        if ui.button("New simulated set...").clicked() {
-            *chosen = Some(Chosen::NewSimulatedSet);
-        }
-        ui.label(
-            "Photos of a shape or mesh with a truth to compare with, and what error a rig can be expected to have.",
-        );
-        ui.add_space(16.0);
-
+    /// The ways to begin, side by side, and the field for a path.
+    fn ways(&mut self, ui: &mut Ui, session: &mut Session, chosen: &mut Option<Chosen>) {
+        ui.horizontal_wrapped(|ui| {
+            let demo = theme::primary(ui.visuals(), "Open the demo").min_size(CHOICE);
+            let what = "A corner of blue paint under three lamps in two colours, with its calibration balls: the surface \
+                        before and after, in seconds";
+            if ui.add(demo).on_hover_text(what).clicked() {
+                *chosen = Some(Chosen::Open(Open::Demo));
+            }
+            let simulate = Button::new("New simulated set...").min_size(CHOICE);
+            let what =
+                "Photos of a shape or mesh with a truth to compare with, and what error a rig can be expected to have";
+            if ui.add(simulate).on_hover_text(what).clicked() {
+                *chosen = Some(Chosen::NewSimulatedSet);
+            }
+        });
+        ui.add_space(12.0);
         let dialogs = session.dialogs();
-        let label = "Open a set, or a folder of photos (you can also drop it on this window)";
+        let label = "Open a set, or a folder of photos (you can also drop it anywhere on this window)";
         let paths = self.path.ui(ui, label, Choose::Folder, &dialogs, &mut session.jobs);
         let typed = self.path.text.trim();
         let by_button = ui.add_enabled(!typed.is_empty(), Button::new("Open this path")).clicked();
         if let Some(path) = paths.into_iter().next().or_else(|| by_button.then(|| PathBuf::from(typed))) {
             *chosen = Some(Chosen::Open(opening(path)));
         }
-        ui.add_space(16.0);
-        recent(ui, session, chosen);
-        ui.label(RichText::new("For a set of your own you need").semi_bold());
-        NEEDED.iter().for_each(|needed| {
-            ui.label(format!("\u{2022} {needed}"));
-        });
     }
 
     fn offer_recovered(&mut self, ui: &mut Ui, session: &Session, chosen: &mut Option<Chosen>) {
@@ -155,17 +181,62 @@ fn button_for(ui: &mut Ui, text: &str, object: &str) -> bool {
     button.clicked()
 }
 
+/// The sets of earlier runs, by their folders' names.
 fn recent(ui: &mut Ui, session: &Session, chosen: &mut Option<Chosen>) {
     if session.preferences.recent.is_empty() {
         return;
     }
     ui.label(RichText::new("Recent sets").semi_bold());
     for folder in &session.preferences.recent {
-        if ui.link(folder.display().to_string()).clicked() {
-            *chosen = Some(Chosen::Open(opening(folder.clone())));
-        }
+        let path = folder.display().to_string();
+        let name = folder.file_name().map_or_else(|| path.clone(), |name| name.to_string_lossy().into_owned());
+        ui.horizontal(|ui| {
+            let link = ui.link(RichText::new(name).size(14.0));
+            link.widget_info(|| WidgetInfo::labeled(Role::Link, true, &path));
+            if link.on_hover_text(&path).clicked() {
+                *chosen = Some(Chosen::Open(opening(folder.clone())));
+            }
+            ui.add(Label::new(RichText::new(&path).small().weak()).truncate());
+        });
     }
-    ui.add_space(16.0);
+    ui.add_space(20.0);
+}
+
+/// What to photograph, each with a drawing.
+fn needed(ui: &mut Ui) {
+    ui.label(RichText::new("What to photograph for a set of your own").semi_bold());
+    for (drawing, title, words) in NEEDED {
+        ui.horizontal(|ui| {
+            draw(ui, drawing);
+            ui.vertical(|ui| {
+                ui.add_space(4.0);
+                ui.label(RichText::new(title).semi_bold());
+                ui.label(RichText::new(words).weak());
+            });
+        });
+    }
+}
+
+/// A ball as a lamp from the upper left lights it, or a groove.
+fn draw(ui: &mut Ui, drawing: Needed) {
+    let (response, painter) = ui.allocate_painter(Vec2::splat(DRAWING), Sense::hover());
+    let (centre, radius) = (response.rect.center(), DRAWING / 2.0 - 4.0);
+    let (paint, light) = match drawing {
+        Needed::Object => {
+            let at = |x: f32, y: f32| centre + vec2(x, y) * radius;
+            let (left, right) = (Color32::from_rgb(70, 110, 190), Color32::from_rgb(110, 150, 225));
+            let wall = |points: Vec<Pos2>, colour| Shape::convex_polygon(points, colour, Stroke::NONE);
+            painter.add(wall(vec![at(-1.0, -0.7), at(0.0, -0.2), at(0.0, 0.9), at(-1.0, 0.4)], left));
+            painter.add(wall(vec![at(1.0, -0.7), at(0.0, -0.2), at(0.0, 0.9), at(1.0, 0.4)], right));
+            return;
+        }
+        Needed::GreyBall => (Color32::from_gray(110), Color32::from_gray(190)),
+        Needed::PaintBall => (Color32::from_rgb(60, 96, 176), Color32::from_rgb(128, 166, 236)),
+        Needed::MirrorBall => (Color32::from_gray(46), Color32::WHITE),
+    };
+    painter.circle_filled(centre, radius, paint);
+    let spot = if matches!(drawing, Needed::MirrorBall) { 0.14 } else { 0.55 };
+    painter.circle_filled(centre + vec2(-0.28, -0.28) * radius, spot * radius, light);
 }
 
 /// A folder without a capture.toml becomes a new set.

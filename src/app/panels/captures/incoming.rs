@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{Button, ComboBox, Key, PopupCloseBehavior, RichText, Role, TextEdit, Ui, WidgetInfo};
+use eframe::egui::load::SizedTexture;
+use eframe::egui::{ComboBox, ImageSource, Key, PopupCloseBehavior, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui_extras::{Column, TableBuilder};
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::image_file::{TimeTaken, time_taken};
 use firstbounce_capture::set::{
@@ -12,10 +14,14 @@ use firstbounce_capture::set::{
 
 use super::in_order::{InOrder, InPlace};
 use super::questions::{Questions, questions};
+use super::thumbnails::Thumbnails;
 use crate::app::state::session::Session;
 use crate::app::widgets::name_field::name_field;
 use crate::app::widgets::part::part;
-use crate::app::widgets::theme::Weight;
+use crate::app::widgets::theme::{Weight, primary};
+
+/// Of a row and its small picture, in points.
+const THUMBNAIL: f32 = 52.0;
 
 /// Files that the user dropped, before they are the set's.
 pub struct Incoming {
@@ -30,6 +36,10 @@ pub struct Incoming {
     /// The user's assignment of a file.
     by_hand: HashMap<PathBuf, InPlace>,
     in_order: Option<InOrder>,
+    thumbnails: Thumbnails,
+    /// The set with the files that are assigned, and what each file is, as of this frame.
+    after: CaptureSet,
+    previews: Vec<Preview>,
 }
 
 /// What a file would become.
@@ -76,6 +86,9 @@ impl Incoming {
             questions,
             by_hand: HashMap::new(),
             in_order: None,
+            thumbnails: Thumbnails::default(),
+            after: CaptureSet::default(),
+            previews: Vec::new(),
         }
     }
 
@@ -89,52 +102,81 @@ impl Incoming {
         self.times.extend(more.times);
     }
 
-    /// Shows the files; whether they are done with.
-    pub fn ui(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
-        let document = session.document();
-        ui.label(RichText::new(format!("{} to add", count_of(self.files.len()))).semi_bold());
-        let options = self.options(ui);
-        let mut after = document.set.clone();
-        let previews = self.apply(&mut after, options.as_ref());
-        let assigned = previews.iter().filter(|preview| !matches!(preview, Preview::Unassigned(_))).count();
+    /// Works out what each file is. Once a frame, before anything of it is shown.
+    pub fn update(&mut self, set: &CaptureSet) {
+        let options = self.guess_options();
+        let mut after = set.clone();
+        self.previews = self.apply(&mut after, options.as_ref());
+        self.after = after;
+    }
 
-        let mut done = false;
-        ui.horizontal_wrapped(|ui| {
-            let text = format!("Add {}", count_of(assigned));
-            if ui.add_enabled(assigned > 0, Button::new(text)).clicked() {
-                session.edit("Add photos", |document| document.set = after.clone());
-                let left = previews.len() - assigned;
-                if left == 0 {
-                    session.done(format!("Added {}", count_of(assigned)));
-                } else {
-                    session.warn(format!("Added {}; {left} not assigned yet", count_of(assigned)));
-                }
-                let mut kept = previews.iter().map(|preview| matches!(preview, Preview::Unassigned(_)));
-                self.files.retain(|_| kept.next().unwrap_or(false));
-                done = self.files.is_empty();
-            }
-            done |= ui.button("Discard").clicked();
-        });
+    fn assigned(&self) -> usize {
+        self.previews.iter().filter(|preview| !matches!(preview, Preview::Unassigned(_))).count()
+    }
+
+    /// What holds for many files at once.
+    pub fn ui(&mut self, ui: &mut Ui, session: &Session) {
+        ui.label(RichText::new(format!("{} to add", count_of(self.files.len()))).semi_bold());
+        self.options(ui);
         let doubts: Vec<(&Path, &Doubt)> =
-            self.files.iter().map(PathBuf::as_path).zip(&previews).filter_map(doubt).collect();
+            self.files.iter().map(PathBuf::as_path).zip(&self.previews).filter_map(doubt).collect();
         part(ui, "questions", |ui| questions(ui, &self.files, &doubts, &mut self.questions));
-        let unassigned = previews.len() - assigned;
+        let unassigned = self.previews.len() - self.assigned();
         if unassigned > 0 {
             let words = if unassigned == 1 { "is not recognised" } else { "are not recognised" };
-            ui.label(format!("{} {words}: change the pattern, or assign them below.", count_of(unassigned)));
-            part(ui, "in order", |ui| self.order(ui, &document.set, &previews));
+            ui.label(format!("{} {words}: change the pattern, or assign them in the table.", count_of(unassigned)));
+            part(ui, "in order", |ui| self.order(ui, &session.document().set));
         }
-        for (index, preview) in previews.iter().enumerate() {
-            if let Some(file) = self.files.get(index).cloned() {
-                part(ui, &file, |ui| self.row(ui, &document.set, &file, preview));
+    }
+
+    /// The buttons that add or forget the files; whether they are done with.
+    pub fn buttons(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
+        let assigned = self.assigned();
+        let add = primary(ui.visuals(), format!("Add {}", count_of(assigned)));
+        let mut done = false;
+        if ui.add_enabled(assigned > 0, add).clicked() {
+            session.edit("Add photos", |document| document.set = self.after.clone());
+            let left = self.previews.len() - assigned;
+            if left == 0 {
+                session.done(format!("Added {}", count_of(assigned)));
+            } else {
+                session.warn(format!("Added {}; {left} not assigned yet", count_of(assigned)));
             }
+            let mut kept = self.previews.iter().map(|preview| matches!(preview, Preview::Unassigned(_)));
+            self.files.retain(|_| kept.next().unwrap_or(false));
+            self.previews.clear();
+            done = self.files.is_empty();
         }
-        done
+        done | ui.button("Discard").clicked()
+    }
+
+    /// Every file with a small picture: what it is, and what it may be.
+    pub fn table(&mut self, ui: &mut Ui, session: &mut Session) {
+        let previews = std::mem::take(&mut self.previews);
+        let set = session.document().set.clone();
+        let narrow = Column::exact(THUMBNAIL);
+        let table = TableBuilder::new(ui).striped(true).column(narrow).column(Column::remainder().clip(true));
+        table.body(|body| {
+            body.rows(THUMBNAIL, self.files.len().min(previews.len()), |mut row| {
+                let index = row.index();
+                let file = self.files[index].clone();
+                row.col(|ui| {
+                    if let Some(small) = self.thumbnails.of(&file, ui, &mut session.jobs) {
+                        let size = small.size_vec2();
+                        let points = size * ((THUMBNAIL - 4.0) / size.max_elem().max(1.0));
+                        ui.image(ImageSource::Texture(SizedTexture::new(small.id(), points)));
+                    }
+                });
+                row.col(|ui| part(ui, &file, |ui| self.row(ui, &set, &file, &previews[index])));
+            });
+        });
+        self.previews = previews;
     }
 
     /// Says at once of all files that are not assigned what they are, by their order.
-    fn order(&mut self, ui: &mut Ui, set: &CaptureSet, previews: &[Preview]) {
-        let open = self.files.iter().zip(previews).filter(|(_, preview)| matches!(preview, Preview::Unassigned(_)));
+    fn order(&mut self, ui: &mut Ui, set: &CaptureSet) {
+        let open =
+            self.files.iter().zip(&self.previews).filter(|(_, preview)| matches!(preview, Preview::Unassigned(_)));
         let open: Vec<_> = open.map(|(file, _)| file.clone()).collect();
         let in_order = self.in_order.get_or_insert_with(|| InOrder::new(set, &open));
         let title = "By the order in which they were taken";
@@ -142,8 +184,8 @@ impl Incoming {
         self.by_hand.extend(said.flatten().unwrap_or_default());
     }
 
-    /// The pattern field and what goes with it; `None` while it is no pattern.
-    fn options(&mut self, ui: &mut Ui) -> Option<GuessOptions> {
+    /// The pattern field and what goes with it.
+    fn options(&mut self, ui: &mut Ui) {
         let name = ui.label("Pattern of the names");
         let (text, parsed) = &mut self.pattern;
         if ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(name.id).changed() {
@@ -159,8 +201,12 @@ impl Incoming {
         if parsed.as_ref().is_ok_and(|pattern| !pattern.names_colour()) {
             ui.checkbox(&mut self.rgb, "One RGB photo holds all colours");
         }
+    }
+
+    /// `None` while the pattern is none.
+    fn guess_options(&self) -> Option<GuessOptions> {
         let Questions { folders, any_colour } = self.questions.clone();
-        parsed.clone().ok().map(|pattern| GuessOptions {
+        self.pattern.1.clone().ok().map(|pattern| GuessOptions {
             pattern,
             subject: self.subject,
             rgb: self.rgb,
@@ -211,13 +257,9 @@ impl Incoming {
                 ui.label(RichText::new(format!("{shown}: {}", open.words())).color(ui.visuals().warn_fg_color));
             }
         }
-        let known = self.by_hand.contains_key(file);
-        if !known && matches!(preview, Preview::Shots(_) | Preview::Mask) {
-            return;
-        }
-        let mut hand = self.by_hand.get(file).cloned().unwrap_or_else(|| self.next_hand());
+        let mut hand = self.by_hand.get(file).cloned().unwrap_or_else(|| self.read(file));
         let before = hand.clone();
-        ui.horizontal_wrapped(|ui| {
+        ui.horizontal(|ui| {
             subject_box(ui, &format!("Subject of {shown}"), &mut hand.subject);
             if hand.subject.light() != Naming::Refused {
                 let lights = set.lights.iter().map(|light| light.name.as_str()).chain(self.typed(|hand| &hand.light));
@@ -232,9 +274,18 @@ impl Incoming {
         }
     }
 
-    /// The next file is likely to show what the last one did.
-    fn next_hand(&self) -> InPlace {
-        InPlace { subject: self.subject, light: String::new(), colour: String::new() }
+    /// What a file is by its name or its place; the next is likely to show what the last one did.
+    fn read(&self, file: &Path) -> InPlace {
+        let written = self.after.written(file);
+        let shot = self.after.shots.iter().find(|shot| shot.files.contains(&written));
+        match shot {
+            Some(shot) => InPlace {
+                subject: shot.subject,
+                light: shot.light.clone().unwrap_or_default(),
+                colour: shot.colour.clone().unwrap_or_default(),
+            },
+            None => InPlace { subject: self.subject, light: String::new(), colour: String::new() },
+        }
     }
 
     fn typed<'a>(&'a self, name: fn(&'a InPlace) -> &'a String) -> impl Iterator<Item = &'a str> {

@@ -9,11 +9,12 @@ mod questions;
 mod scale;
 mod shot;
 mod table;
+mod thumbnails;
 mod watching;
 
 use std::path::PathBuf;
 
-use eframe::egui::{RichText, Ui};
+use eframe::egui::{Frame, RichText, Ui};
 use firstbounce_capture::image_file::{Format, MAX_LOOKED_AT, MAX_PICTURES, pictures_in};
 use firstbounce_capture::set::Location;
 
@@ -91,6 +92,14 @@ impl Panel for Captures {
         part(ui, "warnings", |ui| warnings(ui, session));
     }
 
+    fn primary_action(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
+        let Some(incoming) = &mut self.incoming else { return false };
+        if incoming.buttons(ui, session) {
+            self.incoming = None;
+        }
+        true
+    }
+
     fn overlay(&mut self, ui: &mut Ui, over: &Over<'_>, session: &mut Session) {
         self.mask.overlay(ui, over, session);
         self.camera.overlay(ui, over);
@@ -108,6 +117,16 @@ impl Captures {
         if !open.is_empty() {
             self.put(Incoming::new(open));
         }
+        if let Some(incoming) = &mut self.incoming {
+            incoming.update(&session.document().set);
+        }
+    }
+
+    /// The files that are to be added, in place of the tiles; whether there are any.
+    pub fn table_of_incoming(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
+        let Some(incoming) = &mut self.incoming else { return false };
+        Frame::new().inner_margin(8.0).show(ui, |ui| incoming.table(ui, session));
+        true
     }
 
     /// Every photo of the set, in a tile of its own.
@@ -166,9 +185,7 @@ impl Captures {
 
     fn add_files(&mut self, ui: &mut Ui, session: &mut Session) {
         if let Some(incoming) = &mut self.incoming {
-            if incoming.ui(ui, session) {
-                self.incoming = None;
-            }
+            incoming.ui(ui, session);
             ui.separator();
             return;
         }

@@ -134,7 +134,9 @@ impl Table {
         let response = ui.add(button);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, format!("Select {title}")));
         let exposed = seen.and_then(|(_, exposed, _)| *exposed);
-        if response.on_hover_text(details(shot, exposed)).clicked() {
+        let told = details(shot, exposed);
+        ui.ctx().accesskit_node_builder(response.id, |node| node.set_description(told.clone()));
+        if response.on_hover_text(told).clicked() {
             *selected = Some(name.clone());
             session.views.show(Shown::Photo(name.clone()));
         }

@@ -93,6 +93,7 @@ pub enum CommandId {
     ThemeSystem,
     ThemeDark,
     ThemeLight,
+    WriteResults,
     CancelJobs,
     Retry,
     Palette,
@@ -262,6 +263,10 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::ShowShape, Menu::Steps, "Shape", alone(Key::Num4), open, |t| t.session.panel = PanelName::Shape),
     plain(CommandId::ShowExport, Menu::Steps, "Export", alone(Key::Num5), open, |t| {
         t.session.panel = PanelName::Export
+    }),
+    plain(CommandId::WriteResults, Menu::Steps, "Write all results", None, open, |t| {
+        t.session.panel = PanelName::Export;
+        t.session.export_asked = true;
     }),
     plain(CommandId::CancelJobs, Menu::Steps, "Cancel all jobs", None, always, |target| {
         target.session.jobs.running().iter().for_each(|job| job.cancel());
