@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::canvas::{self, CanvasState};
+use super::saving::Saving;
 use super::statistics::Statistics;
 use super::surface::ViewState;
 use crate::app::state::layout::View;
@@ -15,6 +16,7 @@ pub struct Canvases {
     pub(super) pictures: HashMap<u64, CanvasState>,
     surfaces: HashMap<u64, ViewState>,
     pub(super) statistics: Statistics,
+    pub(super) saving: Saving,
     /// The zoom and pan that linked views share.
     pub(super) shared: canvas::View,
     /// The eye that linked 3D views share, once one has been drawn.

@@ -7,6 +7,7 @@ mod pane;
 mod picker;
 mod picture;
 mod preview;
+mod saving;
 mod scale;
 mod statistics;
 mod strip;

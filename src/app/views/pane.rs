@@ -8,6 +8,7 @@ use firstbounce_core::image::photo::{CLIPPED, DARK};
 use firstbounce_core::separate::{OUTSIDE, UNSOLVED};
 
 use super::picture::{Picture, outdated, picture, previewed};
+use super::saving::Take;
 use super::scale::scaled;
 use super::{Canvases, Over, Overlay, picker, strip};
 use crate::app::state::layout::{self, Arrange, Hover, Pane, Shown, View};
@@ -68,6 +69,11 @@ fn in_2d(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Can
 fn header(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases) {
     let is_active = session.views.active_id() == Some(view.id);
     let width = ui.available_width();
+    let mut tile = ui.max_rect();
+    tile.min.y += HEADER_HEIGHT + ui.spacing().item_spacing.y;
+    if !matches!(view.shown, Shown::Surface | Shown::Pane(_)) {
+        tile.max.y -= strip::HEIGHT;
+    }
     ui.horizontal(|ui| {
         ui.set_min_height(HEADER_HEIGHT);
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -79,7 +85,7 @@ fn header(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Ca
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             tile_buttons(ui, view, session);
-            ui.menu_button("\u{2026}", |ui| tile_menu(ui, view, session, canvases))
+            ui.menu_button("\u{2026}", |ui| tile_menu(ui, tile, view, session, canvases))
                 .response
                 .on_hover_text("Zoom, colours, arrangement")
                 .widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("More, {}", view.shown.title())));
@@ -149,11 +155,20 @@ fn tile_buttons(ui: &mut Ui, view: &View, session: &mut Session) {
     }
 }
 
-fn tile_menu(ui: &mut Ui, view: &mut View, session: &mut Session, canvases: &mut Canvases) {
+fn tile_menu(ui: &mut Ui, tile: Rect, view: &mut View, session: &mut Session, canvases: &mut Canvases) {
     if view.shown == Shown::Surface {
         ui.menu_button("Look from", |ui| surface::eye_menu(ui, &mut view.surface, canvases.surface(view.id), session));
     }
     ui.checkbox(&mut view.linked, "Zoom and pan with the others");
+    ui.separator();
+    for (name, take) in [("Copy picture", Take::Copy), ("Save picture", Take::Save)] {
+        let hover = "As it is seen, with its legend and scale bar; saved into the folder \"pictures\" of the set";
+        if ui.button(name).on_hover_text(hover).clicked() {
+            let folder = session.document().set.folder.clone();
+            canvases.saving.start(ui.ctx(), tile, take, &folder, &view.drawn().title());
+            ui.close();
+        }
+    }
     ui.separator();
     for (name, arrange) in [
         ("Split right", Arrange::SplitRight),

@@ -24,6 +24,12 @@ pub fn ui(ui: &mut Ui, session: &mut Session, canvases: &mut Canvases, overlay: 
         None => tree.ui(&mut behaviour, ui),
     }
     session.views.put_back(tree);
+    match canvases.saving.taken() {
+        Some(Ok(Some(path))) => session.done(format!("Saved {}", path.display())),
+        Some(Ok(None)) => session.done("Copied the picture"),
+        Some(Err(error)) => session.error(error.to_string()),
+        None => {}
+    }
 }
 
 struct Behaviour<'a> {
