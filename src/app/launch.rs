@@ -15,6 +15,7 @@ use firstbounce_capture::guard::is_guarded;
 use crate::app::base::dialogs::SystemDialogs;
 use crate::app::base::jobs::lower_priority_of_workers;
 use crate::app::state::document::save_everything_now;
+use crate::app::state::panel::PanelName;
 use crate::app::state::preferences::Folders;
 use crate::app::state::session::Open;
 use crate::app::window::Window;
@@ -27,6 +28,8 @@ pub enum Start {
     Nothing,
     /// A set: its folder or its capture.toml.
     Set(PathBuf),
+    /// The same, with what comes out of it.
+    Result(PathBuf),
 }
 
 const ELSEWHERE: &str = "\"firstbounce solve SET\" works without a window";
@@ -44,7 +47,7 @@ pub fn run(start: Start) -> anyhow::Result<()> {
         bail!("there is no display to open a window on (DISPLAY and WAYLAND_DISPLAY are not set); {ELSEWHERE}");
     }
     // A set that cannot be opened at all is reported where it was asked for, not in a window.
-    if let Start::Set(path) = &start {
+    if let Start::Set(path) | Start::Result(path) = &start {
         crate::app::state::document::Editor::open(path)?;
     }
     guard_document();
@@ -117,6 +120,10 @@ fn begin(creation: &CreationContext<'_>, start: &Start) -> Window {
     let mut window = Window::new(creation, Folders::of_system(), Arc::new(SystemDialogs));
     match start {
         Start::Set(path) => window.open(Open::Set(path.clone())),
+        Start::Result(path) => {
+            window.open(Open::Set(path.clone()));
+            window.session().panel = PanelName::Shape;
+        }
         Start::Nothing => window.restore(),
     }
     window

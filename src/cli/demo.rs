@@ -50,7 +50,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
         return print_json(&DemoRecord { report: &report, evaluations: &evaluations });
     }
     print(&text(&set, &report, &evaluations, &folder))?;
-    if args.no_window || !window::can_open() { Ok(()) } else { window::open(Some(set.folder)) }
+    if args.no_window || !window::can_open() { Ok(()) } else { window::show_result(set.folder) }
 }
 
 /// The paper's method, colours and shape together and the method in force against the truth. The user may have taken colours or

@@ -9,6 +9,19 @@ pub fn open(set: Option<PathBuf>) -> anyhow::Result<()> {
     run(set.map_or(Start::Nothing, Start::Set))
 }
 
+/// The same on what comes out of the set.
+#[cfg(feature = "window")]
+pub fn show_result(set: PathBuf) -> anyhow::Result<()> {
+    use crate::app::{Start, run};
+    run(Start::Result(set))
+}
+
+/// Refuses, as [`open`].
+#[cfg(not(feature = "window"))]
+pub fn show_result(_: PathBuf) -> anyhow::Result<()> {
+    open(None)
+}
+
 /// Refuses: there is no window to open.
 #[cfg(not(feature = "window"))]
 pub fn open(_: Option<PathBuf>) -> anyhow::Result<()> {

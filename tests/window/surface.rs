@@ -176,6 +176,25 @@ fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     assert_eq!(view.surface.shade, Shade::Height);
 }
 
+#[test]
+fn a_lamp_is_dragged_over_the_surface_and_stays_with_the_view() {
+    let mut hands = with_surface();
+    hands.session().views.active_mut().unwrap().surface.shade = Shade::Drag;
+    hands.steps();
+    let before = look(&mut hands).dragged;
+    let lamp = hands.harness.get_by_role_and_label(Role::Slider, "Lamp to drag").rect();
+    hands.harness.drag_at(lamp.center());
+    hands.harness.hover_at(lamp.center() + vec2(0.5 * lamp.width() * 0.6, 0.0));
+    hands.steps();
+    hands.harness.drop_at(lamp.center() + vec2(0.5 * lamp.width() * 0.6, 0.0));
+    hands.steps();
+    let [x, y, z] = look(&mut hands).dragged.0;
+    assert_ne!(look(&mut hands).dragged, before);
+    assert!((x - 0.6).abs() < 0.05 && y.abs() < 0.05 && (z - 0.8).abs() < 0.05, "{x} {y} {z}");
+    let again = firstbounce::app::state::layout::Views::from_json(hands.session().views.to_json());
+    assert!(again.is_some(), "what was changed is kept");
+}
+
 /// Writes a mesh, and loads it as the reference by its path.
 fn load(hands: &mut Hands, name: &str, mesh: &Mesh) -> PathBuf {
     let path = hands.folder.path().join(name);

@@ -1,8 +1,8 @@
 //! A tile as a picture: on the clipboard, or as a PNG beside the set.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui::{ColorImage, Context, Pos2, Rect, vec2};
 use firstbounce_capture::atomic::{WriteError, write_new_file};
@@ -119,5 +119,16 @@ mod tests {
     fn a_title_becomes_a_name_that_every_system_takes() {
         assert_eq!(file_name("Photo, left, blue"), "photo-left-blue");
         assert_eq!(file_name("a/b: c\\d*?"), "a-b-c-d");
+    }
+
+    #[test]
+    fn a_picture_never_takes_the_place_of_another() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join(FOLDER);
+        let picture = ColorImage::filled([3, 2], eframe::egui::Color32::from_rgb(10, 20, 30));
+        let names = [(); 2].map(|()| save(&picture, &folder, "normals").unwrap().file_name().unwrap().to_owned());
+        assert_eq!(names, ["normals.png", "normals-2.png"]);
+        let read = firstbounce_capture::image_file::read_image(&folder.join("normals.png")).unwrap();
+        assert_eq!(read.size(), (3, 2));
     }
 }

@@ -109,7 +109,7 @@ impl StartScreen {
         });
         ui.add_space(12.0);
         let dialogs = session.dialogs();
-        let label = "Open a set, or a folder of photos (you can also drop it anywhere on this window)";
+        let label = "Open a set, or a folder of photos (you can also drop it on this window)";
         let paths = self.path.ui(ui, label, Choose::Folder, &dialogs, &mut session.jobs);
         let typed = self.path.text.trim();
         let by_button = ui.add_enabled(!typed.is_empty(), Button::new("Open this path")).clicked();

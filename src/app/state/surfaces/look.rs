@@ -69,6 +69,8 @@ pub enum Shade {
     Headlight,
     /// Lit by one of the capture's lamps, as in its photo.
     Lamp,
+    /// Lit by a lamp that is dragged.
+    Drag,
     /// The normal as colour.
     Normals,
     /// The paint alone.
@@ -81,8 +83,16 @@ pub enum Shade {
 
 impl Shade {
     /// All, in the order of a menu.
-    pub const ALL: [Self; 7] =
-        [Self::Matcap, Self::Headlight, Self::Lamp, Self::Normals, Self::Albedo, Self::Height, Self::Distance];
+    pub const ALL: [Self; 8] = [
+        Self::Matcap,
+        Self::Headlight,
+        Self::Lamp,
+        Self::Drag,
+        Self::Normals,
+        Self::Albedo,
+        Self::Height,
+        Self::Distance,
+    ];
 
     /// What it is called.
     pub fn name(self) -> &'static str {
@@ -90,6 +100,7 @@ impl Shade {
             Self::Matcap => "Studio",
             Self::Headlight => "Lit from the eye",
             Self::Lamp => "Lit by a lamp",
+            Self::Drag => "Lamp to drag",
             Self::Normals => "Normals as colour",
             Self::Albedo => "Albedo",
             Self::Height => "Height",
@@ -150,6 +161,25 @@ impl Default for Layers {
     }
 }
 
+/// A direction to a lamp, of any length but none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Dragged(pub [f32; 3]);
+
+impl Default for Dragged {
+    /// From the upper left, low enough that a relief shows.
+    fn default() -> Self {
+        Self([-0.6, 0.6, 0.53])
+    }
+}
+
+impl Dragged {
+    /// Whether there is a direction.
+    fn is_usable(self) -> bool {
+        let square: f32 = self.0.iter().map(|x| x * x).sum();
+        (1e-6..1e6).contains(&square)
+    }
+}
+
 /// How a 3D view shows the surfaces.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -158,6 +188,8 @@ pub struct SurfaceLook {
     pub shade: Shade,
     /// The lamp of [`Shade::Lamp`], by its light's name; the first where that is gone.
     pub lamp: Option<String>,
+    /// The lamp of [`Shade::Drag`]: to it in the object's frame.
+    pub dragged: Dragged,
     /// The distance at the ends of the heat map in mm; `None` for that which 95 % stay below.
     pub distance_mm: Option<f32>,
     /// Whether edges are drawn.
@@ -185,6 +217,7 @@ impl SurfaceLook {
         Self {
             distance_mm: self.distance_mm.filter(|distance| Self::DISTANCES_MM.contains(distance)),
             camera: self.camera.filter(Camera::is_usable),
+            dragged: Some(self.dragged).filter(|lamp| lamp.is_usable()).unwrap_or_default(),
             ..self.clone()
         }
     }

@@ -11,7 +11,7 @@ use firstbounce_core::Mesh;
 use crate::app::base::jobs::{JobError, Jobs};
 use crate::app::base::keyed::{Keyed, Same};
 
-pub use look::{LayerColours, LayerLook, LayerName, Shade, SurfaceLook};
+pub use look::{Dragged, LayerColours, LayerLook, LayerName, Shade, SurfaceLook};
 pub use prepared::{Prepared, thousands};
 
 /// The surfaces of the open set.

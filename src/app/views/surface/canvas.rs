@@ -4,13 +4,14 @@ use eframe::egui::{Align2, Key, Rect, Response, Role, Sense, Stroke, StrokeKind,
 use eframe::egui_wgpu::Callback;
 use nalgebra::Isometry3;
 
+use super::lamp;
 use super::navigation::{KEYS, Moved, in_view, navigate};
 use super::overlay::{self, ScaleBar};
 use super::profile::Seen;
 use super::scene::{self, Heat};
 use super::tool::{Picked, Tool, ViewState, point_words};
 use crate::app::state::session::Session;
-use crate::app::state::surfaces::{LayerName, SurfaceLook};
+use crate::app::state::surfaces::{Dragged, LayerName, Shade, SurfaceLook};
 use crate::app::views::canvas::legend;
 use crate::gpu::mesh::{Bounds, Frame, MeshCallback, PlaneDrawing, Scene, Shading};
 
@@ -110,6 +111,11 @@ pub fn show(
     let unit = seen.first().map_or("mm", |seen| seen.prepared.unit());
     paint(ui, rect, look, state, &seen, (&frame, &bounds), shading, heat);
     decorate(ui, &response, state, &frame, (unit, shading));
+    if look.shade == Shade::Drag
+        && let Some(direction) = lamp::dome(ui, response.id.with("lamp"), rect, look.dragged.0)
+    {
+        look.dragged = Dragged(direction);
+    }
     describe(ui, &response, look, state, &seen, &frame, unit);
     Some(Shown { response, clicked: clicked.flatten() })
 }

@@ -1,6 +1,7 @@
 //! The surface in 3D: before, after and a reference as layers, an eye to walk around them, and tools that measure on them.
 
 mod canvas;
+mod lamp;
 mod menus;
 mod navigation;
 mod overlay;

@@ -57,6 +57,10 @@ pub fn light(look: &SurfaceLook, document: &Document, results: &Results, heat: O
         Shade::Normals => as_asked(Shading::Normals),
         Shade::Albedo => as_asked(Shading::Albedo),
         Shade::Height => as_asked(Shading::Height(heights(seen))),
+        Shade::Drag => {
+            let [x, y, z] = look.dragged.0;
+            as_asked(Shading::Lamp([x, y, z, 0.0]))
+        }
         Shade::Lamp => match lamp(look, document, results) {
             Some((_, lamp)) => as_asked(Shading::Lamp(lamp)),
             None => instead("the directions to the lamps are unknown: see Calibrate".into()),
