@@ -18,8 +18,8 @@ use crate::app::state::document::save_everything_now;
 use crate::app::state::panel::PanelName;
 use crate::app::state::preferences::Folders;
 use crate::app::state::session::Open;
-use crate::app::window::Window;
 use crate::app::window::device::{AfterLoss, Losses};
+use crate::app::window::{Window, opening};
 
 /// What the window shows first.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,8 +47,10 @@ pub fn run(start: Start) -> anyhow::Result<()> {
         bail!("there is no display to open a window on (DISPLAY and WAYLAND_DISPLAY are not set); {ELSEWHERE}");
     }
     // A set that cannot be opened at all is reported where it was asked for, not in a window.
-    if let Start::Set(path) | Start::Result(path) = &start {
-        crate::app::state::document::Editor::open(path)?;
+    if let Start::Set(path) | Start::Result(path) = &start
+        && let Open::Set(path) = opening(path.clone())
+    {
+        crate::app::state::document::Editor::open(&path)?;
     }
     guard_document();
     lower_priority_of_workers();
@@ -119,7 +121,7 @@ fn show(kept: &Kept, start: &Start, losses: &Losses) -> Attempt {
 fn begin(creation: &CreationContext<'_>, start: &Start) -> Window {
     let mut window = Window::new(creation, Folders::of_system(), Arc::new(SystemDialogs));
     match start {
-        Start::Set(path) => window.open(Open::Set(path.clone())),
+        Start::Set(path) => window.open_chosen(opening(path.clone())),
         Start::Result(path) => {
             window.open(Open::Set(path.clone()));
             window.session().panel = PanelName::Shape;

@@ -59,7 +59,11 @@ fn tab_and_shift_tab_go_round_every_step_are_caught_nowhere_and_change_nothing()
         let back = round(&mut hands, Modifiers::SHIFT, panel);
         let mut backwards = back.clone();
         backwards.reverse();
-        assert_eq!(forth.len(), back.len(), "{}: another way back", panel.title());
+        let only = |one: &[String], other: &[String]| {
+            one.iter().filter(|control| !other.contains(control)).cloned().collect::<Vec<_>>()
+        };
+        let differences = (only(&forth, &back), only(&back, &forth));
+        assert_eq!(forth.len(), back.len(), "{}: another way back: {differences:?}", panel.title());
         let start = forth.iter().position(|id| *id == backwards[0]).expect("the way back leads over the same controls");
         let turned: Vec<_> = forth[start..].iter().chain(&forth[..start]).cloned().collect();
         assert_eq!(turned, backwards, "{}: another order back", panel.title());
@@ -73,7 +77,9 @@ fn round(hands: &mut Hands, modifiers: Modifiers, panel: PanelName) -> Vec<Strin
     loop {
         hands.tab(modifiers);
         let root = hands.harness.root();
-        let id = format!("{:?}", root.accesskit_node().tree_state.focus_id_in_tree());
+        let focused = hands.harness.query_by(|node| node.is_focused());
+        let label = focused.and_then(|node| node.accesskit_node().label()).unwrap_or_default();
+        let id = format!("{:?} {label}", root.accesskit_node().tree_state.focus_id_in_tree());
         if seen.first() == Some(&id) {
             break;
         }

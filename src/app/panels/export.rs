@@ -35,9 +35,6 @@ pub struct Export {
 impl Panel for Export {
     fn ui(&mut self, ui: &mut Ui, session: &mut Session) {
         let document = session.document();
-        if self.folder.text.is_empty() {
-            self.folder.text = document.set.folder.join("out").display().to_string();
-        }
         let dialogs = session.dialogs();
         self.folder.ui(ui, "Folder for the results", Choose::Folder, &dialogs, &mut session.jobs);
         let mut options = document.settings.export.clone();
@@ -57,6 +54,9 @@ impl Panel for Export {
 
     fn primary_action(&mut self, ui: &mut Ui, session: &mut Session) -> bool {
         let document = session.document();
+        if self.folder.text.is_empty() {
+            self.folder.text = document.set.folder.join("out").display().to_string();
+        }
         let name = self.chosen(session, &document);
         let is_ready = session.results.state(last_stage_of(name), &document) == StageState::Ready;
         let can_write = is_ready && self.written.running().is_none() && !self.folder.text.trim().is_empty();

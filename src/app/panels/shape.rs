@@ -34,7 +34,9 @@ const MIN_LIGHTS: usize = 3;
 #[derive(Default)]
 pub struct ShapePanel {
     /// What the truth says of a document.
-    evaluated: Keyed<Arc<Document>, Evaluated>,
+    evaluated: Keyed<Document, Evaluated>,
+    /// What decides over it, of the document that was looked at last.
+    judged: Option<(Arc<Document>, Document)>,
     reference: ReferencePanel,
 }
 
@@ -49,7 +51,8 @@ impl Panel for ShapePanel {
             StageState::Running { .. } | StageState::Stale => advice(ui, "The surface is being computed."),
             StageState::Ready => {}
         }
-        let evaluated = self.evaluated.of(&document).and_then(|outcome| outcome.as_ref().ok());
+        let judged = self.judged(&document);
+        let evaluated = self.evaluated.of(&judged).and_then(|outcome| outcome.as_ref().ok());
         if let Some(shapes) = session.results.shapes() {
             let truth = evaluated.map(|evaluated| &evaluated.in_force);
             part(ui, "result", |ui| card::ui(ui, session, &document, &shapes, truth));
@@ -210,15 +213,28 @@ impl ShapePanel {
         self.evaluated.poll();
         let is_ready =
             session.results.is_at_rest(document) && session.results.state(Step::Shape, document) == StageState::Ready;
-        if is_ready && document.set.truth_normals().is_file() && self.evaluated.wants(document) {
-            let edited = document.clone();
+        let judged = self.judged(document);
+        if is_ready && self.evaluated.wants(&judged) && document.set.truth_normals().is_file() {
+            let edited = judged.clone();
             let task = session.jobs.start("Compare with the truth", move |job| Evaluated::of(&edited, job));
-            self.evaluated.start(document.clone(), task);
+            self.evaluated.start(judged, task);
         }
+    }
+
+    /// The document without what the truth says nothing of: exports, and a scan.
+    fn judged(&mut self, document: &Arc<Document>) -> Document {
+        if let Some((_, judged)) = self.judged.as_ref().filter(|(of, _)| Arc::ptr_eq(of, document)) {
+            return judged.clone();
+        }
+        let mut judged = Document::clone(document);
+        (judged.settings.reference, judged.settings.export) = Default::default();
+        self.judged = Some((document.clone(), judged.clone()));
+        judged
     }
 
     /// For sets that know the truth.
     fn truth(&mut self, ui: &mut Ui, document: &Arc<Document>) {
+        let judged = self.judged(document);
         if !document.set.truth_normals().is_file() {
             return;
         }
@@ -233,7 +249,7 @@ impl ShapePanel {
             }
             Some((of, Ok(evaluation))) => {
                 evaluation_ui(ui, evaluation);
-                if of != document {
+                if *of != judged {
                     ui.colored_label(ui.visuals().warn_fg_color, "Of the set before it was edited.");
                 }
             }

@@ -149,7 +149,7 @@ fn tile_buttons(ui: &mut Ui, view: &View, session: &mut Session) {
         session.views.arrange(view.id, Arrange::Close);
     }
     let is_maximised = session.views.maximised() == Some(view.id);
-    let (sign, what) = if is_maximised { ("\u{2750}", "All views again") } else { ("\u{2b1c}", "Only this view") };
+    let (sign, what) = if is_maximised { ("\u{1f5d7}", "All views again") } else { ("\u{1f5d6}", "Only this view") };
     if (several || is_maximised) && button(ui, sign, what) {
         session.views.maximise(view.id);
     }

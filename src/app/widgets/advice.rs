@@ -24,7 +24,9 @@ pub fn sentence(line: &str) -> String {
     let word = line.split(' ').next().unwrap_or_default();
     let mut letters = line.chars();
     match letters.next() {
-        Some(first) if word.chars().all(|c| c.is_ascii_lowercase()) => first.to_uppercase().chain(letters).collect(),
+        Some(first) if word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase()) => {
+            first.to_uppercase().chain(letters).collect()
+        }
         _ => line.to_owned(),
     }
 }
@@ -37,6 +39,7 @@ mod tests {
     fn a_line_on_its_own_begins_with_a_capital_and_a_name_stays_itself() {
         assert_eq!(sentence("beta is unknown"), "Beta is unknown");
         assert_eq!(sentence("left/green: 21 % is clipped"), "left/green: 21 % is clipped");
+        assert_eq!(sentence("m = 3 instead of 2"), "m = 3 instead of 2", "a symbol stays itself");
         assert_eq!(sentence(""), "");
     }
 }

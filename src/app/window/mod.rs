@@ -30,7 +30,8 @@ use crate::app::widgets::theme::{self, Weight};
 use crate::gpu;
 use commands::{CommandId, Found, Target};
 use device::DeviceWatch;
-use start::{Chosen, StartScreen, opening};
+pub(in crate::app) use start::opening;
+use start::{Chosen, StartScreen};
 
 pub use chrome::Chrome;
 use frame_times::Phase;
@@ -196,7 +197,9 @@ impl Window {
     fn mark_gestures(&mut self, context: &Context) {
         let pressed = context.input(|input| input.pointer.any_pressed() || input.key_pressed(Key::Enter));
         let focused = context.memory(|memory| memory.focused());
-        if pressed || focused != self.chrome.focused {
+        // What is dragged may take the focus on the way.
+        let is_dragging = context.input(|input| input.pointer.any_down());
+        if pressed || (focused != self.chrome.focused && !is_dragging) {
             self.chrome.focused = focused;
             self.session.editor.begin_gesture();
         }
@@ -362,13 +365,13 @@ fn within(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
 }
 
 impl Window {
-    fn open_chosen(&mut self, open: Open) {
+    /// Opens what was asked for; a folder without a set becomes one of the photos in it.
+    pub(in crate::app) fn open_chosen(&mut self, open: Open) {
         let folder = match &open {
             Open::New(folder) => Some(folder.clone()),
             _ => None,
         };
         self.open(open);
-        // A folder without a set is a set of the photos in it.
         if let Some(folder) = folder {
             self.panels.dropped(vec![folder], &mut self.session);
         }

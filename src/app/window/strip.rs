@@ -13,7 +13,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session, log_is_open: &mut bool) {
         ui.horizontal(|ui| {
             ui.toggle_value(log_is_open, "Log");
             for job in session.jobs.running() {
-                ui.add(ProgressBar::new(job.fraction()).desired_width(160.0).text(job.name()));
+                ui.add(ProgressBar::new(job.fraction()).desired_width(240.0).text(job.name()));
                 let cancel = ui.small_button("Cancel");
                 let what = format!("Cancel: {}", job.name());
                 cancel.widget_info(|| WidgetInfo::labeled(Role::Button, true, &what));

@@ -10,7 +10,7 @@ pub fn ui(context: &Context, log: &mut Log) {
     context.request_repaint_after(next);
     let area = Area::new(Id::unique("toasts")).order(Order::Foreground).interactable(true);
     let mut dismissed = None;
-    area.anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -40.0)).show(context, |ui| {
+    area.anchor(Align2::RIGHT_TOP, vec2(-8.0, 4.0)).show(context, |ui| {
         for (index, toast) in toasts.iter().enumerate() {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(420.0);

@@ -31,7 +31,7 @@ pub fn ui(panel: &mut Calibrate, ui: &mut Ui, over: &Over<'_>, session: &mut Ses
     let mut on_handle = false;
     for kind in kinds {
         if let Some(circle) = circle_in_force(session, shot.subject, kind) {
-            on_handle |= edit_circle(panel, ui, over, session, (shot.subject, kind), circle);
+            on_handle |= edit_circle(ui, over, session, (shot.subject, kind), circle);
         }
     }
     if panel.balls.rim.as_ref().is_some_and(|rim| rim.subject == shot.subject) {
@@ -62,7 +62,6 @@ fn kinds_in_scene(session: &Session) -> Vec<SphereKind> {
 
 /// Draws a circle and moves it as the user wants; whether a handle has the pointer.
 fn edit_circle(
-    panel: &mut Calibrate,
     ui: &mut Ui,
     over: &Over<'_>,
     session: &mut Session,
@@ -98,8 +97,6 @@ fn edit_circle(
         busy |= handle.contains_pointer() || handle.dragged();
     }
     if moved != circle {
-        // Who places a circle by hand does not want the next click to look for another.
-        panel.balls.click_finds = false;
         move_ball(session, subject, kind, moved);
     }
     busy
