@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use eframe::egui::{
-    Button, Color32, ColorImage, Grid, Image, ImageSource, RichText, Role, TextureHandle, TextureOptions, Ui,
-    WidgetInfo, load::SizedTexture, vec2,
+    Align, Button, Color32, ColorImage, Image, ImageSource, Label, Layout, Rect, RichText, Role, TextureHandle,
+    TextureOptions, Ui, Vec2, WidgetInfo, load::SizedTexture, vec2,
 };
 use firstbounce_capture::pipeline::{Exposed, region_of, thumbnail};
 use firstbounce_capture::set::{CaptureSet, Encoding, Shot, ShotCell, ShotTable, Sphere};
@@ -20,6 +20,11 @@ use crate::app::widgets::theme::Weight;
 
 const THUMBNAIL_PX: usize = 96;
 const THUMBNAIL_POINTS: f32 = 64.0;
+/// Of a light's name, and of a photo with what is said of it, in points.
+const NAME: f32 = 72.0;
+const CELL: Vec2 = vec2(124.0, 100.0);
+/// Of a longer table only the rows in sight are laid out.
+const MANY: usize = 40;
 /// Shares above which a cell says that a photo is badly exposed.
 const TOO_MUCH_CLIPPED: f64 = 0.02;
 const TOO_MUCH_DARK: f64 = 0.5;
@@ -59,9 +64,7 @@ impl Table {
         for table in document.set.tables(session.problems()) {
             let title = table.subject.title();
             ui.label(RichText::new(title).semi_bold());
-            Grid::new(title)
-                .spacing(vec2(8.0, 6.0))
-                .show(ui, |ui| self.grid(ui, session, &document.set, &table, selected));
+            self.grid(ui, session, &document.set, &table, selected);
             ui.add_space(6.0);
         }
     }
@@ -74,23 +77,46 @@ impl Table {
         table: &ShotTable,
         selected: &mut Option<ShotName>,
     ) {
-        ui.label("");
-        for column in &table.columns {
-            let channel = column.as_ref().and_then(|name| Some(set.colours.get(set.colour_index(name)?)?.channel));
-            let text = column.as_deref().unwrap_or("any colour");
-            ui.label(match channel {
-                Some(channel) => format!("{text} (channel {channel})"),
-                None => text.to_owned(),
+        let width = NAME + CELL.x * table.columns.len() as f32;
+        let within = |ui: &mut Ui, size: Vec2, content: &mut dyn FnMut(&mut Ui)| {
+            ui.allocate_ui_with_layout(size, Layout::top_down(Align::Min), |ui| {
+                ui.set_min_size(size);
+                ui.set_max_width(size.x);
+                content(ui);
             });
-        }
-        ui.end_row();
-        for row in &table.rows {
-            ui.label(row.light.as_deref().unwrap_or("no light"));
-            for (cell, colour) in row.cells.iter().zip(&table.columns) {
-                let name = ShotName { subject: table.subject, light: row.light.clone(), colour: colour.clone() };
-                ui.vertical(|ui| self.cell(ui, session, set, &name, cell, selected));
+        };
+        ui.horizontal_top(|ui| {
+            ui.spacing_mut().item_spacing.x = 0.0;
+            within(ui, vec2(NAME, 0.0), &mut |_| {});
+            for column in &table.columns {
+                let channel = column.as_ref().and_then(|name| Some(set.colours.get(set.colour_index(name)?)?.channel));
+                let text = column.as_deref().unwrap_or("any colour");
+                let text = match channel {
+                    Some(channel) => format!("{text} (channel {channel})"),
+                    None => text.to_owned(),
+                };
+                within(ui, vec2(CELL.x, 0.0), &mut |ui| {
+                    drop(ui.add(Label::new(&text).truncate()).on_hover_text(&text))
+                });
             }
-            ui.end_row();
+        });
+        for row in &table.rows {
+            let is_seen = ui.is_rect_visible(Rect::from_min_size(ui.cursor().min, vec2(width, CELL.y)));
+            if table.rows.len() > MANY && !is_seen {
+                ui.allocate_space(vec2(width, CELL.y));
+                continue;
+            }
+            ui.horizontal_top(|ui| {
+                ui.spacing_mut().item_spacing.x = 0.0;
+                let light = row.light.as_deref().unwrap_or("no light");
+                within(ui, vec2(NAME, CELL.y), &mut |ui| {
+                    drop(ui.add(Label::new(light).truncate()).on_hover_text(light))
+                });
+                for (cell, colour) in row.cells.iter().zip(&table.columns) {
+                    let name = ShotName { subject: table.subject, light: row.light.clone(), colour: colour.clone() };
+                    within(ui, CELL, &mut |ui| self.cell(ui, session, set, &name, cell, selected));
+                }
+            });
         }
     }
 

@@ -77,6 +77,13 @@ impl RegionSection {
         };
         ui.label(format!("{}: {of}", shown.title()));
         ui.label(RichText::new(picture.quantity).weak());
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Histogram");
+            ui.radio_value(&mut self.scale, Scale::Linear, "Linear");
+            ui.radio_value(&mut self.scale, Scale::Logarithmic, "Logarithmic");
+            ui.checkbox(&mut self.log_counts, "Logarithmic counts")
+                .on_hover_text("Shows rare values beside frequent ones");
+        });
         // While a value is dragged the numbers may lag, but never are those of another picture.
         let last = self.measured.last().filter(|(of, _)| of.shown == *shown);
         let Some((of, measured)) = last.and_then(|(of, outcome)| Some((of, outcome.as_ref().ok()?))) else {
@@ -85,13 +92,6 @@ impl RegionSection {
         };
         let channels = of.source.channels();
         table(ui, channels, measured);
-        ui.horizontal_wrapped(|ui| {
-            ui.label("Histogram");
-            ui.radio_value(&mut self.scale, Scale::Linear, "Linear");
-            ui.radio_value(&mut self.scale, Scale::Logarithmic, "Logarithmic");
-            ui.checkbox(&mut self.log_counts, "Logarithmic counts")
-                .on_hover_text("Shows rare values beside frequent ones");
-        });
         histogram::ui(ui, &measured.histograms, channels, self.log_counts);
     }
 

@@ -1,10 +1,10 @@
 //! From an arrangement to tiles.
 
 use eframe::egui::Id;
-use egui_tiles::{TileId, Tiles, Tree};
+use egui_tiles::{Container, Tile, TileId, Tiles, Tree};
 
 use super::arrangement::Arrangement;
-use super::{Shown, View};
+use super::{Pane, Shown, View};
 
 /// New views, numbered from `next_id` on in the order of the arrangement.
 pub fn built(arrangement: &Arrangement, next_id: &mut u64) -> Tree<View> {
@@ -27,14 +27,25 @@ fn tile(arrangement: &Arrangement, tiles: &mut Tiles<View>, next_id: &mut u64) -
             tiles.insert_pane(view)
         }
         Arrangement::Row(parts) => {
-            let parts = parts.iter().map(|part| tile(part, tiles, next_id)).collect();
-            tiles.insert_horizontal_tile(parts)
+            let ids: Vec<TileId> = parts.iter().map(|part| tile(part, tiles, next_id)).collect();
+            let row = tiles.insert_horizontal_tile(ids.clone());
+            if let Some(Tile::Container(Container::Linear(row))) = tiles.get_mut(row) {
+                for (part, id) in parts.iter().zip(ids) {
+                    row.shares.set_share(id, share(part));
+                }
+            }
+            row
         }
         Arrangement::Column(parts) => {
             let parts = parts.iter().map(|part| tile(part, tiles, next_id)).collect();
             tiles.insert_vertical_tile(parts)
         }
     }
+}
+
+/// Of a row's width: a drawing needs less than a table beside it.
+fn share(part: &Arrangement) -> f32 {
+    if *part == Arrangement::One(Shown::Pane(Pane::Dome)) { 0.5 } else { 1.0 }
 }
 
 /// These views, at most two beside each other.

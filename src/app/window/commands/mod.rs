@@ -345,7 +345,9 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::Wireframe, Menu::View, "Toggle wireframe", alt(Key::W), in_3d, |t| {
         surface(t, |look| look.wireframe ^= true);
     }),
-    plain(CommandId::ToggleSteps, Menu::View, "Toggle steps", ctrl(Key::B), open, |t| t.chrome.shows.steps ^= true),
+    plain(CommandId::ToggleSteps, Menu::View, "Toggle the panel of the step", ctrl(Key::B), open, |t| {
+        t.chrome.shows.steps ^= true
+    }),
     plain(CommandId::ToggleInspector, Menu::View, "Toggle inspector", ctrl(Key::I), open, |t| {
         t.chrome.shows.inspector ^= true;
     }),
