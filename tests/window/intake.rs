@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use eframe::egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use firstbounce::app::state::results::Step;
+use firstbounce::app::state::session::{Open, Session};
 use firstbounce_capture::set::Projection;
 
 use crate::harness::Hands;
@@ -107,4 +108,30 @@ fn a_line_of_known_length_gives_the_scale_and_of_a_near_camera_the_distance() {
     hands.click_button("Use 0.250000 mm per pixel");
     let Projection::Perspective { working_distance_mm, .. } = scale(&mut hands) else { panic!("another camera") };
     assert!((working_distance_mm - 500.0).abs() < 5.0, "{working_distance_mm}");
+}
+
+#[test]
+fn photos_that_arrive_in_a_watched_folder_join_the_set_when_their_light_is_complete() {
+    let mut hands = Hands::new();
+    let demo = hands.demo();
+    let folder = hands.folder.path().join("tethered");
+    fs::create_dir(&folder).unwrap();
+    hands.open(Open::New(folder.clone()));
+    hands.harness.get_by_role_and_label(Role::CheckBox, "Watch this folder").click_accesskit();
+    hands.steps();
+    let arrives = |name: &str| drop(fs::copy(demo.join("object").join(name), folder.join(name)).unwrap());
+    let lights = |session: &mut Session| {
+        session.document().set.lights.iter().map(|light| light.name.clone()).collect::<Vec<_>>()
+    };
+    for name in ["left-blue.png", "left-green.png", "top-blue.png", "top-green.png"] {
+        arrives(name);
+    }
+    hands.wait_until("two lights", |session| lights(session) == ["left", "top"]);
+    arrives("right-blue.png");
+    hands.wait_to_see("right-blue.png: Object right blue");
+    assert_eq!(lights(hands.session()), ["left", "top"], "a light with one of two colours waits");
+    arrives("right-green.png");
+    hands.wait_until("the third light", |session| lights(session) == ["left", "top", "right"]);
+    let set = hands.session().document().set.clone();
+    assert!(set.check().is_empty(), "{:?}", set.check());
 }

@@ -2,5 +2,6 @@
 
 pub mod bars;
 pub mod dialogs;
+pub mod drops;
 pub mod jobs;
 pub mod keyed;

@@ -7,6 +7,7 @@ use eframe::egui::{
 };
 
 use crate::app::base::dialogs::Choose;
+use crate::app::base::drops;
 use crate::app::state::document::{LeftOpening, Recovered};
 use crate::app::state::session::{Open, Session};
 use crate::app::widgets::path_field::PathField;
@@ -109,8 +110,8 @@ impl StartScreen {
         });
         ui.add_space(12.0);
         let dialogs = session.dialogs();
-        let label = "Open a set, or a folder of photos (you can also drop it on this window)";
-        let paths = self.path.ui(ui, label, Choose::Folder, &dialogs, &mut session.jobs);
+        let label = format!("Open a set, or a folder of photos ({})", drops::words("it"));
+        let paths = self.path.ui(ui, &label, Choose::Folder, &dialogs, &mut session.jobs);
         let typed = self.path.text.trim();
         let by_button = ui.add_enabled(!typed.is_empty(), Button::new("Open this path")).clicked();
         if let Some(path) = paths.into_iter().next().or_else(|| by_button.then(|| PathBuf::from(typed))) {

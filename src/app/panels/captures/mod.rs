@@ -23,6 +23,7 @@ use thiserror::Error;
 
 use super::Panel;
 use crate::app::base::dialogs::Choose;
+use crate::app::base::drops;
 use crate::app::base::jobs::Task;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{ShotName, StageState, Step};
@@ -75,7 +76,7 @@ impl Panel for Captures {
             }
             advice(
                 ui,
-                "This set has no photos yet. Drop files or a folder on the window, or name them above: photos of the \
+                "This set has no photos yet. Name files or a folder above: photos of the \
                  object under every lamp in every colour, and the same of a grey ball and a ball of the object's paint, \
                  and one of a mirror ball under every lamp.",
             );
@@ -190,8 +191,8 @@ impl Captures {
             return;
         }
         let dialogs = session.dialogs();
-        let label = "Add photos, or a folder of them (or drop them on the window)";
-        let chosen = self.add.ui(ui, label, Choose::Pictures, &dialogs, &mut session.jobs);
+        let label = format!("Add photos, or a folder of them ({})", drops::words("them"));
+        let chosen = self.add.ui(ui, &label, Choose::Pictures, &dialogs, &mut session.jobs);
         if !chosen.is_empty() {
             self.dropped(chosen, session);
         }

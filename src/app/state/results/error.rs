@@ -13,7 +13,7 @@ use crate::app::base::jobs::JobError;
 #[derive(Clone, Debug, Error)]
 pub enum StageError {
     /// The set is empty.
-    #[error("no photos yet: drop files on this window, or choose them in Captures")]
+    #[error("no photos yet: add them in Captures")]
     NoPhotos,
     /// The set contradicts itself.
     #[error("{0}")]
