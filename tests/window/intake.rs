@@ -119,7 +119,9 @@ fn photos_that_arrive_in_a_watched_folder_join_the_set_when_their_light_is_compl
     hands.open(Open::New(folder.clone()));
     hands.harness.get_by_role_and_label(Role::CheckBox, "Watch this folder").click_accesskit();
     hands.steps();
-    let arrives = |name: &str| drop(fs::copy(demo.join("object").join(name), folder.join(name)).unwrap());
+    let arrives = |name: &str| {
+        fs::copy(demo.join("object").join(name), folder.join(name)).unwrap();
+    };
     let lights = |session: &mut Session| {
         session.document().set.lights.iter().map(|light| light.name.clone()).collect::<Vec<_>>()
     };
