@@ -19,10 +19,15 @@ fn the_real_window_opens_the_demo_by_name_and_rests_when_nothing_changes() {
     let reader = &program.reader;
     reader.press("Open the demo");
     reader.wait_for("all five steps to be ready", |widgets| (steps_with_results(widgets) >= 5).then_some(()));
+    for name in ["Surface in 3D, Before", "Surface in 3D, After"] {
+        reader.wait_for(name, |widgets| {
+            widgets.iter().find(|widget| widget.name == name && widget.role == IMAGE).cloned()
+        });
+    }
+    reader.press("3  Separate");
     reader.wait_for("the photo", |widgets| {
         widgets.iter().find(|widget| widget.name == "Photo, left, blue" && widget.role == IMAGE).cloned()
     });
-    reader.press("3  Separate");
     reader.read("Gain of bounce 1");
     assert!((reader.value("beta of green") - 0.5).abs() < 0.05);
 

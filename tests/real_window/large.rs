@@ -52,11 +52,10 @@ fn frames_at_24_mpx() {
 
     reader.press("4  Shape");
     reader.wait_for("the surface to be there", |widgets| (steps_with_results(widgets) >= 5).then_some(()));
-    reader.press("Show the surface in 3D");
-    reader.find("Surface in 3D");
+    reader.find("Surface in 3D, After");
     std::thread::sleep(Duration::from_secs(5));
     reader.press("Count again");
-    drag(&desktop, reader.place(&reader.find("Surface in 3D")), "4");
+    drag(&desktop, reader.place(&reader.find("Surface in 3D, After")), "4");
     println!("turning the surface:\n{}", report(&desktop, &program));
 }
 

@@ -197,7 +197,8 @@ fn recent(ui: &mut Ui, session: &Session, chosen: &mut Option<Chosen>) {
             if link.on_hover_text(&path).clicked() {
                 *chosen = Some(Chosen::Open(opening(folder.clone())));
             }
-            ui.add(Label::new(RichText::new(&path).small().weak()).truncate());
+            let place = folder.parent().map(|parent| format!("in {}", parent.display())).unwrap_or_default();
+            ui.add(Label::new(RichText::new(place).small().weak()).truncate());
         });
     }
     ui.add_space(20.0);
