@@ -65,7 +65,7 @@ fn the_palette_finds_a_command_by_a_few_letters() {
     hands.press(Modifiers::COMMAND, Key::P);
     hands.type_into("Find a command, a picture or a set", "spltrght");
     hands.press(Modifiers::NONE, Key::Enter);
-    assert_eq!(hands.session().views.all().count(), 2);
+    assert_eq!(hands.session().views.all().count(), 3);
 }
 
 #[test]
@@ -91,13 +91,13 @@ fn views_split_and_close_and_their_arrangement_comes_back() {
     let mut hands = Hands::with_demo();
     hands.press(Modifiers::COMMAND, Key::Backslash);
     hands.press(Modifiers::COMMAND, Key::T);
-    assert_eq!(hands.session().views.all().count(), 3);
+    assert_eq!(hands.session().views.all().count(), 4, "the two of Captures, and two more");
     hands.press(Modifiers::COMMAND, Key::W);
-    assert_eq!(hands.session().views.all().count(), 2);
+    assert_eq!(hands.session().views.all().count(), 3);
     let set = hands.session().document().set.folder.clone();
     hands.press(Modifiers::COMMAND, Key::O);
     hands.open(Open::Set(set));
-    assert_eq!(hands.session().views.all().count(), 2);
+    assert_eq!(hands.session().views.all().count(), 3);
 }
 
 /// What a run leaves that was killed while it opened `set`.
