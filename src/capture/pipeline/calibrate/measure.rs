@@ -12,7 +12,8 @@ use super::super::PipelineError;
 use super::super::checks::of_rig;
 use super::balls::{BallPhotos, BallShots, needed};
 use super::direction::{MeasuredDirection, add_common_doubts, measure_direction};
-use super::position::measure_position;
+use super::position::{measure_position, other_mirrors};
+use super::scale::contradicted_scale;
 use super::unknown_crosstalk::unknown_crosstalk;
 use super::warning::Warning;
 use super::{BallCircle, BallNotFound, Calibrated, Known, Preference, RatioEvidence, Source};
@@ -21,6 +22,9 @@ use crate::set::{BallValue, CaptureSet, SphereKind};
 /// Values by colour, where there are any, and the ratios behind them.
 type Measured = (Option<Vec<Known<f64>>>, Vec<RatioEvidence>);
 
+/// The kinds of balls in the order in which they are looked at.
+const SPHERES: [SphereKind; 3] = [SphereKind::Grey, SphereKind::Material, SphereKind::Mirror];
+
 /// A calibration on its way.
 pub(super) struct Measuring<'a> {
     set: &'a CaptureSet,
@@ -28,6 +32,8 @@ pub(super) struct Measuring<'a> {
     grey: Option<BallShots>,
     material: Option<BallShots>,
     mirror: Option<BallShots>,
+    /// The further mirror balls: in the same pictures, and those of the ball in its second place.
+    other_mirrors: Vec<BallShots>,
     calibrated: Calibrated,
 }
 
@@ -36,7 +42,7 @@ impl<'a> Measuring<'a> {
     pub fn new(set: &'a CaptureSet, preference: Preference, photos: &BallPhotos) -> Result<Self, PipelineError> {
         let needed = needed(set, preference);
         let mut not_found = Vec::new();
-        let mut ball = |kind| match BallShots::among(photos, set, kind) {
+        let mut ball = |kind, found| match found {
             _ if !needed.contains(&kind) => Ok(None),
             Err(PipelineError::Ball { subject, reason }) => {
                 not_found.push(BallNotFound { kind, subject, reason });
@@ -44,16 +50,20 @@ impl<'a> Measuring<'a> {
             }
             found => found,
         };
-        let (grey, material, mirror) =
-            (ball(SphereKind::Grey)?, ball(SphereKind::Material)?, ball(SphereKind::Mirror)?);
+        let [grey, material, mirror] = SPHERES.map(|kind| ball(kind, BallShots::among(photos, set, kind)));
+        let (grey, material, mirror) = (grey?, material?, mirror?);
+        let moved = ball(SphereKind::Mirror, BallShots::moved(photos, set))?;
 
         let mut calibrated = Calibrated { not_found, ..Calibrated::default() };
-        for ball in [&grey, &material, &mirror].into_iter().flatten() {
+        for ball in [&grey, &material, &mirror, &moved].into_iter().flatten() {
             calibrated.circles.push(ball.circle.clone());
         }
         let circles = calibrated.circles.iter().filter_map(BallCircle::doubt);
         calibrated.warnings.extend(circles.map(|doubt| Warning::Circle(doubt).to_string()));
-        Ok(Self { set, preference, grey, material, mirror, calibrated })
+        calibrated.warnings.extend(contradicted_scale(set).iter().map(ToString::to_string));
+        let (other_mirrors, warnings) = other_mirrors(set, mirror.as_ref(), moved);
+        calibrated.warnings.extend(warnings.iter().map(ToString::to_string));
+        Ok(Self { set, preference, grey, material, mirror, other_mirrors, calibrated })
     }
 
     pub fn run(mut self) -> Result<Calibrated, PipelineError> {
@@ -123,12 +133,12 @@ impl<'a> Measuring<'a> {
         self.calibrated.room_light = shares;
     }
 
-    /// Positions of lamps, where the set gives the circles of several mirror balls in one picture.
+    /// Positions of lamps, where there are several mirror balls or one in two places.
     fn positions(&mut self, directions: &[MeasuredDirection]) {
-        let others = self.mirror.as_ref().map_or_else(Vec::new, |first| first.others(self.set));
         let position = |(l, direction): (usize, &MeasuredDirection)| {
             let (first, report) = (self.mirror.as_ref()?, direction.highlights.as_ref()?);
-            if others.is_empty() { None } else { measure_position(self.set, l, (first, report), &others) }
+            let others = &self.other_mirrors;
+            if others.is_empty() { None } else { measure_position(self.set, l, (first, report), others) }
         };
         self.calibrated.position = directions.par_iter().enumerate().map(position).collect();
     }

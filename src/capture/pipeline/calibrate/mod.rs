@@ -6,6 +6,7 @@ mod direction;
 mod doubt;
 mod measure;
 mod position;
+mod scale;
 mod unknown_crosstalk;
 mod verdict;
 mod warning;
@@ -24,6 +25,7 @@ use crate::set::{Calibration, CaptureSet, Sphere, SphereKind, Subject};
 pub use balls::circle_of;
 pub(in crate::pipeline) use balls::{needed_subjects, view};
 pub use doubt::{CircleDoubt, DirectionDoubt};
+pub use scale::ScaleSource;
 pub use verdict::{Evidence, Verdict};
 
 /// Where a value comes from.
@@ -225,8 +227,8 @@ pub struct Calibrated {
     pub grey_light: Option<f64>,
     /// By light: unit vector from the object to the light. `None` where nothing tells.
     pub direction: Vec<Option<Known<[f64; 3]>>>,
-    /// By light: where it is, in mm, as several mirror balls in one picture say; `None` where there are fewer, or the lamp is
-    /// too far away for them.
+    /// By light: where it is, in mm, as several mirror balls in one picture or one in two places say; `None` where there are
+    /// fewer, or the lamp is too far away for them.
     pub position: Vec<Option<Known<[f64; 3]>>>,
     /// By light: the share of its light on the balls that does not come from the lamp; `None` where it is too little to
     /// matter, or unknown.
