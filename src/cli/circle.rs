@@ -60,7 +60,7 @@ impl GivenCircle {
             }
             Place::SameAs(other) => circle_of(set, other, watch)?,
         };
-        set.put_sphere(Sphere { subject, kind: self.ball, circle });
+        set.put_sphere(Sphere { subject, kind: self.ball, circle, diameter_mm: None });
         let problems = set.check();
         if problems.is_empty() { Ok(()) } else { Err(SetError::Invalid { path: set.file_path(), problems }.into()) }
     }

@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
+use firstbounce_capture::CaptureSet;
+use firstbounce_capture::mesh_file::write_ply;
+use firstbounce_capture::pipeline::truth_mesh;
 use firstbounce_testing::shared_set;
+use nalgebra::Isometry3;
 use serde_json::Value;
 
 use crate::run::firstbounce;
@@ -88,6 +92,28 @@ fn meshes_of_rendered_sets_lie_nearer_to_the_truth_after_than_before() {
         }
         assert!(after["mean_mm"].as_f64().unwrap() <= most_mm, "{name}: {after}");
     }
+}
+
+/// A scan lies in a frame of its own. A wedge is nearly the same after a turn, and was once laid on its moved truth by one of 89
+/// degrees.
+#[test]
+fn kind_15_a_truth_moved_by_100_mm_as_a_foreign_scan_is_found_without_a_turn() {
+    let Some(set) = shared_set("corner-blue") else { return };
+    let place = tempfile::tempdir().unwrap();
+    let solve = ["solve".as_ref(), set.as_os_str(), "--out".as_ref(), "out".as_ref()];
+    let ran = firstbounce(place.path(), solve);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let truth = truth_mesh(&CaptureSet::open(&set).unwrap()).unwrap();
+    let scan = place.path().join("scan.ply");
+    write_ply(&scan, &truth.moved(&Isometry3::translation(0.0, 100.0, 0.0)), None).unwrap();
+    as_a_scan(&scan);
+    let words = json(&["compare", place.path().join("out/mesh.ply").to_str().unwrap(), "--align"], &scan);
+    let number = |words: &Value| words.as_f64().unwrap();
+    let moved = [0, 1].map(|axis| number(&words["translation_mm"][axis]));
+    println!("{} degrees, {moved:?} mm, mean {} mm", words["rotation_deg"], words["mean_mm"]);
+    assert!(number(&words["rotation_deg"]) < 3.0, "{words}");
+    assert!(moved[0].abs() < 3.0 && (moved[1] - 100.0).abs() < 3.0, "{words}");
+    assert!(number(&words["mean_mm"]) < 1.0, "{words}");
 }
 
 #[test]

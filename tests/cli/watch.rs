@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use firstbounce_testing::write_tiny_set;
 
@@ -83,6 +83,40 @@ fn a_folder_without_a_capture_file_takes_photos_by_their_names_and_says_for_what
     // Why, depends on what arrived before it.
     assert!(said("IMG_0001.png: not assigned: "), "{lines:#?}");
     assert!(said("is complete (3 of 3)"), "{lines:#?}");
+}
+
+/// Issue and manual say so of an optimised program; another is given time.
+#[test]
+fn a_photo_of_one_megapixel_is_reported_within_half_a_second_after_it_was_closed() {
+    let most = if cfg!(debug_assertions) { Duration::from_secs(5) } else { Duration::from_millis(500) };
+    let place = tempfile::tempdir().unwrap();
+    let source = place.path().join("photo.png");
+    let value = |x: u32, y: u32| ((x * 31 + y * 17) % 40_000) as u16 + 5000;
+    image::ImageBuffer::from_fn(1000, 1000, |x, y| image::Luma([value(x, y)])).save(&source).unwrap();
+    let watched = place.path().join("watched");
+    fs::create_dir(&watched).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_firstbounce"))
+        .args(["watch", "--lights", "left,top,right", "--colours", "blue"])
+        .arg(&watched)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let mut took = Vec::new();
+    for light in ["left", "top", "right"] {
+        // The first one comes when the folder is watched for sure.
+        std::thread::sleep(Duration::from_millis(1500));
+        let photo = watched.join(format!("{light}-blue.png"));
+        copy(&source, &photo);
+        let closed = Instant::now();
+        let line = lines.find(|line| line.as_ref().unwrap().contains("-blue.png: ")).unwrap().unwrap();
+        took.push(closed.elapsed());
+        assert!(line.starts_with(&format!("{light}-blue.png: ")) && line.contains("1000 x 1000 pixels"), "{line}");
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    println!("{took:?}");
+    assert!(took.iter().all(|took| *took <= most), "{took:?}");
 }
 
 #[test]

@@ -21,7 +21,8 @@ mod watch;
 pub use crate::set::Method;
 pub use calibrate::{
     BallCircle, BallNotFound, Calibrated, CircleDoubt, DirectionDoubt, Evidence, Known, Measured, Preference,
-    RatioEvidence, Source, Verdict, calibrate, calibrate_also_on_object, calibrate_for, calibrate_with, circle_of,
+    RatioEvidence, ScaleSource, Source, Verdict, calibrate, calibrate_also_on_object, calibrate_for, calibrate_with,
+    circle_of,
 };
 pub use checks::{
     CaptureCheck, CaptureReport, CaptureWarning, CheckOptions, CheckedPhotos, FilesOf, check_captures, check_surface,

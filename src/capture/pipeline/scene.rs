@@ -123,7 +123,7 @@ fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {
 /// The set's camera for pictures of this size.
 pub fn camera_of(set: &CaptureSet, size: (usize, usize)) -> Camera {
     let projection = match set.camera.projection {
-        set::Projection::Orthographic { mm_per_pixel } => Projection::Orthographic { mm_per_pixel },
+        set::Projection::Orthographic { .. } => Projection::Orthographic { mm_per_pixel: set.mm_per_pixel() },
         set::Projection::Perspective { focal_length_px, principal_point, working_distance_mm } => {
             let [x, y] = principal_point.unwrap_or([size.0 as f64 / 2.0, size.1 as f64 / 2.0]);
             Projection::Perspective { focal_length_px, principal_point_px: (x, y), working_distance_mm }

@@ -232,6 +232,7 @@ impl Found {
             self.number(location, "centre", Number::Centre, coordinate);
         }
         self.number(location, "radius", Number::Radius, sphere.circle.radius);
+        self.maybe_number(location, "diameter_mm", Number::DiameterMm, sphere.diameter_mm);
     }
 
     fn calibration(&mut self, calibration: &Calibration) {

@@ -7,6 +7,7 @@ use firstbounce_core::separate::MIN_BETA_DISTANCE;
 
 use super::method::Method;
 use super::model::*;
+use super::number::{Number, short};
 use super::problem::{Location, Problem};
 use super::rule::did_you_mean;
 use super::word::Word;
@@ -160,6 +161,23 @@ impl CaptureSet {
     }
 
     fn check_spheres(&self, problems: &mut Vec<Problem>) {
+        let moved = self.shots.iter().position(|shot| shot.subject == Subject::MirrorSphereMoved);
+        if let (Some(moved), None) = (moved, self.subject_with(SphereKind::Mirror)) {
+            let message = format!(
+                "the mirror ball in its second place says something only beside the first: give that as shots of {:?}",
+                Subject::MirrorSphere.word()
+            );
+            problems.push(Problem::of_part(Location::Shot(moved), message));
+        }
+        let scale =
+            |sphere: &Sphere| self.mm_per_pixel_of(sphere).filter(|_| Number::Radius.allows(sphere.circle.radius));
+        for (index, sphere) in self.spheres.iter().enumerate() {
+            if let Some(scale) = scale(sphere).filter(|scale| !Number::MmPerPixel.allows(*scale)) {
+                let message =
+                    format!("says that a pixel spans {} mm; expected {}", short(scale), Number::MmPerPixel.words());
+                problems.push(Problem::of_key(Location::Sphere(index), "diameter_mm", message));
+            }
+        }
         let mut seen = HashSet::new();
         for (index, sphere) in self.spheres.iter().enumerate() {
             // Several mirror balls in one picture say where near lamps are.

@@ -144,6 +144,8 @@ pub struct Sphere {
     pub kind: SphereKind,
     /// Its outline.
     pub circle: Circle,
+    /// Its diameter in mm, where it is known: what gives the scale. Optional in the file.
+    pub diameter_mm: Option<f64>,
 }
 
 /// A circle in pixels; the centre of the top left pixel is (0.5, 0.5).

@@ -40,6 +40,8 @@ pub enum Number {
     Centre,
     /// The radius of a circle.
     Radius,
+    /// `diameter_mm` of a ball.
+    DiameterMm,
     /// A ratio of albedos.
     Beta,
     /// A ratio of a lamp's intensities in two colours.
@@ -64,7 +66,7 @@ pub enum Number {
 
 impl Number {
     /// Every number of the format.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::MmPerPixel,
         Self::FocalLengthPx,
         Self::PrincipalPoint,
@@ -81,6 +83,7 @@ impl Number {
         Self::Exposure,
         Self::Centre,
         Self::Radius,
+        Self::DiameterMm,
         Self::Beta,
         Self::Alpha,
         Self::Intensity,
@@ -112,6 +115,7 @@ impl Number {
             Self::Exposure => 1e-9..=1e9,
             Self::Centre => -1e6..=1e6,
             Self::Radius => 1e-3..=1e6,
+            Self::DiameterMm => 1e-2..=1e5,
             Self::Beta | Self::Alpha | Self::Intensity => 1e-4..=1e4,
             Self::GreyAlbedo => 1e-4..=1.0,
             Self::WhiteLight => 1e-9..=1e9,

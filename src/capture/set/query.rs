@@ -180,10 +180,10 @@ impl CaptureSet {
         SphereKind::ALL.iter().any(|kind| kind.gives(value) && self.subject_with(*kind).is_some())
     }
 
-    /// Puts the circle of a ball, in place of one of the same subject and kind if there is one.
+    /// Puts the circle of a ball, in place of one of the same subject and kind if there is one. The ball keeps its diameter.
     pub fn put_sphere(&mut self, sphere: Sphere) {
         match self.spheres.iter_mut().find(|old| (old.subject, old.kind) == (sphere.subject, sphere.kind)) {
-            Some(old) => *old = sphere,
+            Some(old) => *old = Sphere { diameter_mm: sphere.diameter_mm.or(old.diameter_mm), ..sphere },
             None => self.spheres.push(sphere),
         }
     }
@@ -194,6 +194,41 @@ impl CaptureSet {
         let direction = typed.or_else(|| self.calibration.direction.get(light).copied())?;
         let length = length(&direction);
         (length > 0.0).then(|| direction.map(|x| x / length))
+    }
+
+    /// mm that a pixel spans at the object's z = 0: what the camera says, else what balls of known diameter say; `None` where neither
+    /// does.
+    pub fn mm_per_pixel(&self) -> Option<f64> {
+        match self.camera.projection {
+            Projection::Orthographic { mm_per_pixel: None } => self.mm_per_pixel_of_balls(),
+            Projection::Orthographic { mm_per_pixel } => mm_per_pixel,
+            Projection::Perspective { focal_length_px, working_distance_mm, .. } => {
+                Some(working_distance_mm / focal_length_px)
+            }
+        }
+    }
+
+    /// The same as all balls of known diameter say together; `None` where there is none.
+    pub fn mm_per_pixel_of_balls(&self) -> Option<f64> {
+        let scales =
+            self.spheres.iter().filter_map(|sphere| Some((self.mm_per_pixel_of(sphere)?, sphere.circle.radius)));
+        // The larger a circle, the better it says.
+        let (sum, weight) = scales.fold((0.0, 0.0), |(sum, all), (scale, weight)| (sum + weight * scale, all + weight));
+        (weight > 0.0).then(|| sum / weight)
+    }
+
+    /// The same as one ball says; `None` without its diameter.
+    pub fn mm_per_pixel_of(&self, sphere: &Sphere) -> Option<f64> {
+        let (diameter_mm, radius_px) = (sphere.diameter_mm?, sphere.circle.radius);
+        if radius_px <= 0.0 {
+            return None;
+        }
+        let scale = diameter_mm / (2.0 * radius_px);
+        Some(match self.camera.projection {
+            Projection::Orthographic { .. } => scale,
+            // The outline of a ball at distance d has the radius f R / sqrt(d^2 - R^2).
+            Projection::Perspective { focal_length_px, .. } => scale.hypot(diameter_mm / (2.0 * focal_length_px)),
+        })
     }
 
     /// Where the true normals lie.

@@ -287,7 +287,8 @@ fn read_sphere(fields: &mut Fields<'_, '_>) -> Sphere {
     let subject = subject.unwrap_or_default();
     let centre = fields.require("centre", POINT, tuple).unwrap_or_default();
     let radius = fields.require("radius", &Number::Radius.words(), number).unwrap_or_default();
-    Sphere { subject, kind: kind.unwrap_or_default(), circle: Circle { centre, radius } }
+    let diameter_mm = fields.get("diameter_mm", &Number::DiameterMm.words(), number);
+    Sphere { subject, kind: kind.unwrap_or_default(), circle: Circle { centre, radius }, diameter_mm }
 }
 
 fn read_calibration(fields: &mut Fields<'_, '_>) -> Calibration {

@@ -16,6 +16,8 @@ pub enum Subject {
     MaterialSphere,
     /// A mirror ball: gives the direction.
     MirrorSphere,
+    /// The mirror ball in another place: gives the positions of near lamps together with the first.
+    MirrorSphereMoved,
     /// The cap on the lens: subtracted.
     Dark,
     /// A uniform field: divided by.
@@ -171,6 +173,28 @@ impl Subject {
                     "クロム",
                 ],
             },
+            Self::MirrorSphereMoved => SubjectRow {
+                word: "mirror-sphere-moved",
+                title: "Mirror ball, moved",
+                sphere: Some(SphereKind::Mirror),
+                matte: false,
+                light: Required,
+                colour: Optional,
+                names: &[
+                    "mirror-sphere-moved",
+                    "mirror-ball-moved",
+                    "mirror-moved",
+                    "moved-mirror",
+                    "moved-mirror-ball",
+                    "moved-mirror-sphere",
+                    "chrome-ball-moved",
+                    "chrome-moved",
+                    "spiegelkugel-versetzt",
+                    "miroir-déplacé",
+                    "espejo-movido",
+                    "specchio-spostato",
+                ],
+            },
             Self::Dark => SubjectRow {
                 word: "dark",
                 title: "Dark frame",
@@ -217,7 +241,7 @@ impl Subject {
         self.row().title
     }
 
-    /// The kind of ball that fills this subject's shots.
+    /// The kind of ball that fills this subject's shots. One kind may fill several: see [`SphereKind::subject`].
     pub fn sphere_kind(self) -> Option<SphereKind> {
         self.row().sphere
     }
@@ -350,7 +374,7 @@ impl SphereKind {
         self.row().title
     }
 
-    /// The shots that a ball of this kind fills by itself.
+    /// The shots that a ball of this kind fills by itself, in its first place.
     pub fn subject(self) -> Subject {
         self.row().subject
     }
@@ -372,6 +396,7 @@ impl Word for Subject {
         Self::GreySphere,
         Self::MaterialSphere,
         Self::MirrorSphere,
+        Self::MirrorSphereMoved,
         Self::Dark,
         Self::FlatField,
         Self::Crosstalk,

@@ -285,6 +285,7 @@ fn write_sphere(table: &mut Table, sphere: &Sphere) {
     put_unless_default(table, "kind", sphere.kind.word(), default);
     put(table, "centre", list(sphere.circle.centre));
     put(table, "radius", sphere.circle.radius);
+    put_or_remove(table, "diameter_mm", sphere.diameter_mm);
 }
 
 fn write_calibration_table(table: &mut Table, calibration: &Calibration) {

@@ -244,13 +244,19 @@ mod tests {
 
     /// What events do not tell is found by looking: here none is listened to.
     #[test]
-    fn a_share_without_events_is_looked_through() {
-        let (folder, mut watch) = watched(100);
+    fn a_share_without_events_is_looked_through_and_a_photo_is_there_within_two_polls() {
+        let poll = Duration::from_secs(1);
+        let (folder, mut watch) = watched(poll.as_millis() as u64);
         watch._watcher = None;
         watch.next(Duration::ZERO).unwrap();
         fs::create_dir(folder.path().join("object")).unwrap();
-        fs::write(folder.path().join("object/left.png"), "a picture").unwrap();
-        assert_eq!(names(&watch.next(Duration::from_secs(20)).unwrap()), ["left.png"]);
+        for name in ["left.png", "top.png"] {
+            fs::write(folder.path().join("object").join(name), "a picture").unwrap();
+            let start = Instant::now();
+            assert_eq!(names(&watch.next(Duration::from_secs(20)).unwrap()), [name]);
+            println!("{name}: {:?}", start.elapsed());
+            assert!(start.elapsed() <= 2 * poll, "{name}: {:?}", start.elapsed());
+        }
     }
 
     #[test]

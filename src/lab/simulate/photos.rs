@@ -222,7 +222,7 @@ impl<'a> Studio<'a> {
 
     fn sphere(&self, subject: Subject) -> Option<Sphere> {
         let (kind, balls) = (subject.sphere_kind()?, self.options.balls?);
-        Some(Sphere { subject, kind, circle: circle(balls) })
+        Some(Sphere { subject, kind, circle: circle(balls), diameter_mm: None })
     }
 }
 

@@ -42,6 +42,7 @@ fn text(rig: Rig) -> String {
     let directions = [[-0.3, 0.1, 0.95], [0.3, 0.2, 0.9], [0.05, -0.35, 0.9]];
     set.separation.bounces = Some(2);
     set.calibration.grey_albedo = Some(0.18);
+    set.spheres[0].diameter_mm = Some(10.0);
     set.shape.shadow_share = 0.1;
     set.shape.misfit_share = 0.2;
     (set.shape.rounds, set.shape.indirect_window_px) = (2, 7);
@@ -150,6 +151,7 @@ fn number_of(path: &[String]) -> Option<Number> {
         () if key("schema") => return None,
         () if key("gamma") => Number::Gamma,
         () if key("mm_per_pixel") => Number::MmPerPixel,
+        () if key("diameter_mm") => Number::DiameterMm,
         () if key("focal_length_px") => Number::FocalLengthPx,
         () if key("principal_point") => Number::PrincipalPoint,
         () if key("working_distance_mm") => Number::WorkingDistanceMm,

@@ -269,7 +269,7 @@ fn circle_to_start_with(session: &Session, subject: Subject) -> Circle {
 /// Puts a ball's circle where the user wants it.
 pub fn move_ball(session: &mut Session, subject: Subject, kind: SphereKind, circle: Circle) {
     let name = format!("Place {}", kind.title().to_lowercase());
-    session.edit(&name, |document| document.set.put_sphere(Sphere { subject, kind, circle }));
+    session.edit(&name, |document| document.set.put_sphere(Sphere { subject, kind, circle, diameter_mm: None }));
 }
 
 /// The circle of a ball: the one that was placed, else the one that was found.

@@ -24,7 +24,8 @@ pub fn ui(panel: &mut Calibrate, ui: &mut Ui, over: &Over<'_>, session: &mut Ses
     };
     for kind in &kinds {
         panel.pixels.paint(ui, over, session, shot, *kind);
-        if kind.subject().is_shiny_ball() {
+        // Highlights are those of the ball in its first place.
+        if kind.subject().is_shiny_ball() && [kind.subject(), Subject::Object].contains(&shot.subject) {
             panel.highlights.paint(ui, over, session, shot);
         }
     }

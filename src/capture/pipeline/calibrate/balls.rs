@@ -59,8 +59,11 @@ pub(super) fn needed(set: &CaptureSet, preference: Preference) -> Vec<SphereKind
 
 /// The subjects whose photos show the balls that have to be looked at, each once.
 pub(in crate::pipeline) fn needed_subjects(set: &CaptureSet, preference: Preference) -> Vec<Subject> {
-    let kinds = needed(set, preference).into_iter();
-    let mut subjects: Vec<_> = kinds.filter_map(|kind| set.subject_with(kind)).collect();
+    let needed = needed(set, preference);
+    let mut subjects: Vec<_> = needed.iter().filter_map(|kind| set.subject_with(*kind)).collect();
+    if needed.contains(&SphereKind::Mirror) && set.shots_of(Subject::MirrorSphereMoved).next().is_some() {
+        subjects.push(Subject::MirrorSphereMoved);
+    }
     subjects.sort_unstable();
     subjects.dedup();
     subjects
@@ -80,10 +83,22 @@ pub(super) struct BallShots {
 impl BallShots {
     /// The ball of this kind among the photos that were read; `None` where the set has none.
     pub fn among(photos: &BallPhotos, set: &CaptureSet, kind: SphereKind) -> Result<Option<Self>, PipelineError> {
-        let ball = set.subject_with(kind).and_then(|subject| Some((subject, photos.0.get(&subject)?.clone())));
-        let Some((subject, photos)) = ball else { return Ok(None) };
-        let circle = match set.circle(subject, kind) {
-            Some(circle) => given(&photos, Sphere { subject, kind, circle }),
+        set.subject_with(kind).map_or(Ok(None), |subject| Self::in_shots_of(photos, set, (subject, kind)))
+    }
+
+    /// The mirror ball in its second place; `None` where the set has no photos of it there.
+    pub fn moved(photos: &BallPhotos, set: &CaptureSet) -> Result<Option<Self>, PipelineError> {
+        Self::in_shots_of(photos, set, (Subject::MirrorSphereMoved, SphereKind::Mirror))
+    }
+
+    fn in_shots_of(
+        photos: &BallPhotos,
+        set: &CaptureSet,
+        (subject, kind): (Subject, SphereKind),
+    ) -> Result<Option<Self>, PipelineError> {
+        let Some(photos) = photos.0.get(&subject).cloned() else { return Ok(None) };
+        let circle = match set.spheres_in(subject).find(|sphere| sphere.kind == kind) {
+            Some(sphere) => given(&photos, *sphere),
             None => find(&photos, subject, kind)?,
         };
         Ok(Some(Self::with_circle(photos, set, circle)))
@@ -97,7 +112,7 @@ impl BallShots {
     }
 
     fn with_circle(photos: Arc<SubjectPhotos>, set: &CaptureSet, circle: BallCircle) -> Self {
-        let size = photos.all().next().map_or((0, 0), |photo| photo.linear.size());
+        let size = size_of(&photos);
         let outline = outline(circle.sphere.circle);
         Self {
             kind: circle.sphere.kind,
@@ -108,15 +123,20 @@ impl BallShots {
                 (None, Some(doubt)) => doubt.off_px,
                 (None, None) => GIVEN_CIRCLE_SD_PX,
             },
-            radius_mm: mm_per_pixel(set).map(|scale| scale * outline.radius_px),
+            radius_mm: set.mm_per_pixel().map(|scale| scale * outline.radius_px),
             circle,
         }
     }
 
     /// The camera that took the pictures, where their scale is known.
     pub fn camera(&self, set: &CaptureSet) -> Option<Camera> {
-        mm_per_pixel(set)?;
-        Some(camera_of(set, self.photos.all().next()?.linear.size()))
+        set.mm_per_pixel()?;
+        Some(camera_of(set, self.size()))
+    }
+
+    /// Width and height of the pictures.
+    pub fn size(&self) -> (usize, usize) {
+        size_of(&self.photos)
     }
 
     /// The photo under light `l` in colour `c`, or, where shots name no colour, the one photo under the light.
@@ -152,7 +172,11 @@ fn find(photos: &SubjectPhotos, subject: Subject, kind: SphereKind) -> Result<Ba
         .map_err(|reason| PipelineError::Ball { subject, reason })?;
     let (x, y) = found.circle.centre_px;
     let circle = set::Circle { centre: [x, y], radius: found.circle.radius_px };
-    Ok(BallCircle { sphere: Sphere { subject, kind, circle }, found: Some(found), edge: None })
+    Ok(BallCircle { sphere: Sphere { subject, kind, circle, diameter_mm: None }, found: Some(found), edge: None })
+}
+
+fn size_of(photos: &SubjectPhotos) -> (usize, usize) {
+    photos.all().next().map_or((0, 0), |photo| photo.linear.size())
 }
 
 fn outline(circle: set::Circle) -> Circle {
@@ -196,16 +220,6 @@ pub(in crate::pipeline) fn view(set: &CaptureSet, size: (usize, usize)) -> View 
             } else {
                 View::Orthographic
             }
-        }
-    }
-}
-
-/// The scale at the object's z = 0.
-fn mm_per_pixel(set: &CaptureSet) -> Option<f64> {
-    match set.camera.projection {
-        Projection::Orthographic { mm_per_pixel } => mm_per_pixel,
-        Projection::Perspective { focal_length_px, working_distance_mm, .. } => {
-            Some(working_distance_mm / focal_length_px)
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The positions of near lamps, from mirror balls that lie apart in one picture.
+//! The positions of near lamps, from mirror balls that lie apart: several in one picture, or one in two places.
 
 use firstbounce_core::calibrate::{
     HighlightOptions, HighlightReport, PositionEstimate, Sighting, find_highlights, lamp_position,
@@ -6,11 +6,37 @@ use firstbounce_core::calibrate::{
 use nalgebra::Vector3;
 
 use super::balls::BallShots;
+use super::warning::Warning;
 use super::{Known, Source};
 use crate::set::CaptureSet;
 
 /// A position whose distance is known to this share is one; others are directions to lamps too far away for these balls.
 const MAX_DISTANCE_SHARE: f64 = 0.25;
+
+/// The further mirror balls that place lamps together with the first: those in its pictures, and the ball in its second place. What
+/// keeps them from it is told.
+pub(super) fn other_mirrors(
+    set: &CaptureSet,
+    first: Option<&BallShots>,
+    moved: Option<BallShots>,
+) -> (Vec<BallShots>, Vec<Warning<'static>>) {
+    let Some(first) = first else { return (Vec::new(), Vec::new()) };
+    let mut warnings = Vec::new();
+    let is_of_one_camera = |moved: &BallShots| {
+        let (expected, found) = (first.size(), moved.size());
+        if found != expected {
+            warnings.push(Warning::MovedBallSize { expected, found });
+        }
+        found == expected
+    };
+    let moved = moved.filter(is_of_one_camera);
+    let in_second_place = moved.as_ref().map_or_else(Vec::new, |moved| moved.others(set));
+    let others: Vec<_> = first.others(set).into_iter().chain(moved).chain(in_second_place).collect();
+    if !others.is_empty() && set.mm_per_pixel().is_none() {
+        warnings.push(Warning::NoScaleForPositions);
+    }
+    (others, warnings)
+}
 
 /// Where light `l` is, by its highlight on the first mirror ball, which is known, and those on the others; `None` where they
 /// do not show it, or the lamp is too far away.

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
+use super::scale::ScaleSource;
 use super::{BallNotFound, CircleDoubt, KnownCrosstalk, MAX_HALF_WIDTHS, Source};
-use crate::set::CaptureSet;
+use crate::set::{CaptureSet, SphereKind};
 
 /// A warning of a calibration.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +45,26 @@ pub(super) enum Warning<'a> {
         /// Half of its 95 % interval.
         half_width: f64,
     },
+    /// A scale that the diameter of a ball contradicts.
+    Scale {
+        /// Which ball.
+        ball: SphereKind,
+        /// mm per pixel in force.
+        in_force: f64,
+        /// What the ball says.
+        measured: f64,
+        /// How it is given.
+        source: ScaleSource,
+    },
+    /// The mirror ball in its second place, in pictures of another size: the camera was not the same.
+    MovedBallSize {
+        /// Width and height of its pictures in the first place, in pixels.
+        expected: (usize, usize),
+        /// In the second.
+        found: (usize, usize),
+    },
+    /// Several mirror balls, or one in two places, without a scale.
+    NoScaleForPositions,
     /// Intensities that nothing gives.
     AssumedIntensities {
         /// Of which lights.
@@ -71,6 +92,27 @@ impl fmt::Display for Warning<'_> {
                 f,
                 "the channel of {channel} sees {typed:.4} of the {lamp} lamp by capture.toml, and the shots say {measured:.4} \u{b1} \
                  {half_width:.4}: check which is right, and delete the line to use the shots'"
+            ),
+            Self::Scale { ball, in_force, measured, source } => {
+                let given = match source {
+                    ScaleSource::Typed => "by [camera] of capture.toml",
+                    ScaleSource::Balls => "by the diameters of all balls",
+                };
+                write!(
+                    f,
+                    "a pixel is {in_force:.5} mm {given}, and {measured:.5} mm by the diameter of the {ball} ball: check which is \
+                     right, and whether the ball lies at the object's distance from the camera"
+                )
+            }
+            Self::MovedBallSize { expected, found } => write!(
+                f,
+                "the mirror ball in its second place is left out: its pictures have {} x {} pixels, those in its first place {} x \
+                 {}. Move the ball alone, not the camera, and photograph both places at one size",
+                found.0, found.1, expected.0, expected.1
+            ),
+            Self::NoScaleForPositions => f.write_str(
+                "the mirror balls could say where near lamps are, but not in mm: give mm_per_pixel under [camera], or diameter_mm in \
+                 the [[sphere]] of a ball",
             ),
             Self::AssumedIntensities { lights } => write!(
                 f,

@@ -1,10 +1,12 @@
 //! Files of equal content where two photos should be: one photo under two lamps, a photo copied under another name.
 
+use std::hash::Hash;
+
 use indexmap::IndexMap;
 use rayon::prelude::*;
 
 use super::CaptureWarning;
-use crate::open::hash_file;
+use crate::open::{hash_file, hash_samples};
 use crate::set::{CaptureSet, Shot, Subject};
 
 /// A file that a shot names.
@@ -67,17 +69,23 @@ fn contradict(set: &CaptureSet, one: Use, other: Use) -> bool {
     lights_differ && !is_frame(a) || !(one_of_three_channels || needs_no_colour)
 }
 
-/// A name for the content of each file of the set; files that cannot be equal go unread.
+/// A name for the content of each file of the set. Only files of one length are looked at, and only those that agree in samples of
+/// their content are read whole: the report hashes all of them once more.
 fn contents(set: &CaptureSet) -> IndexMap<String, Option<String>> {
     let files: Vec<&str> = set.distinct_files().into_keys().collect();
-    let lengths: Vec<Option<u64>> = files.iter().map(|file| Some(set.resolve(file).metadata().ok()?.len())).collect();
-    let mut of_length: IndexMap<u64, usize> = IndexMap::new();
-    lengths.iter().flatten().for_each(|length| *of_length.entry(*length).or_default() += 1);
-    let is_alone = |length: &Option<u64>| length.is_none_or(|length| of_length.get(&length).is_none_or(|n| *n < 2));
-    let named = files.par_iter().zip(&lengths).map(|(file, length)| {
-        let content =
-            if is_alone(length) { None } else { hash_file(&set.resolve(file)).ok().map(|(sha256, _)| sha256) };
-        ((*file).to_owned(), content)
-    });
-    named.collect::<Vec<_>>().into_iter().collect()
+    let all = files.iter().map(|file| (*file, set.resolve(file)));
+    let all = all.filter_map(|(file, path)| Some((file, path.metadata().ok()?.len())));
+    let of_one_length = shared(all.collect());
+    let sampled = of_one_length.par_iter().filter_map(|file| Some((*file, hash_samples(&set.resolve(file)).ok()?)));
+    let alike = shared(sampled.collect());
+    let hashed = alike.par_iter().filter_map(|file| Some((*file, hash_file(&set.resolve(file)).ok()?.0)));
+    let mut hashed: IndexMap<&str, String> = hashed.collect::<Vec<_>>().into_iter().collect();
+    files.into_iter().map(|file| (file.to_owned(), hashed.swap_remove(file))).collect()
+}
+
+/// The files that have something in common with another.
+fn shared<K: Eq + Hash>(files: Vec<(&str, K)>) -> Vec<&str> {
+    let mut by_key: IndexMap<K, Vec<&str>> = IndexMap::new();
+    files.into_iter().for_each(|(file, key)| by_key.entry(key).or_default().push(file));
+    by_key.into_values().filter(|files| files.len() > 1).flatten().collect()
 }

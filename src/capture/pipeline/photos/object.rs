@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn an_automatic_mask_leaves_out_the_balls_that_lie_beside_the_object() {
         let circle = Circle { centre: [20.0, 10.0], radius: 4.0 };
-        let beside = Sphere { subject: Subject::Object, kind: SphereKind::Grey, circle };
+        let beside = Sphere { subject: Subject::Object, kind: SphereKind::Grey, circle, diameter_mm: None };
         let alone = Sphere { subject: Subject::MirrorSphere, kind: SphereKind::Mirror, ..beside };
         let picture = Plane::from_fn(30, 20, |x, y| {
             let in_ball = (x as f64 - 19.5).hypot(y as f64 - 9.5) < 4.0;

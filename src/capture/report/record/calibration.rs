@@ -4,7 +4,7 @@ use firstbounce_core::calibrate::PixelCounts;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::pipeline::{Calibrated, Known};
+use crate::pipeline::{Calibrated, Known, ScaleSource};
 use crate::set::CaptureSet;
 
 /// Values by the words of the capture file; lights whose values nothing tells are left out.
@@ -20,7 +20,9 @@ pub struct CalibrationRecord {
     pub direction: IndexMap<String, [f64; 3]>,
     /// By channel, then lamp: the crosstalk that was undone; empty where nothing tells.
     pub crosstalk: Vec<Vec<f64>>,
-    /// By light, of those that several mirror balls place.
+    /// The scale at the object's z = 0; absent where lengths are in pixels.
+    pub mm_per_pixel: Option<ScaleRecord>,
+    /// By light, of those that several mirror balls, or one in two places, place.
     pub position_mm: IndexMap<String, PositionRecord>,
     /// The same shape with the ends of the 95 % intervals; typed values have none.
     pub interval: IntervalRecord,
@@ -75,6 +77,17 @@ pub struct PositionRecord {
     pub interval: Option<[[f64; 2]; 3]>,
 }
 
+/// mm that a pixel spans.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ScaleRecord {
+    /// In force.
+    pub value: f64,
+    /// What balls of known diameter say; absent where there is none.
+    pub by_balls: Option<f64>,
+    /// Where the value in force comes from.
+    pub source: &'static str,
+}
+
 /// A ball's outline in pixels.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct CircleRecord {
@@ -122,6 +135,7 @@ impl CalibrationRecord {
             intensity: intensity().map(|(light, known)| (light, known.value)).collect(),
             direction: direction().map(|(light, known)| (light, known.value)).collect(),
             crosstalk: by_channel(calibrated, |known| known.value),
+            mm_per_pixel: scale(set),
             position_mm: calibrated
                 .positions_mm(set)
                 .map(|(light, known)| {
@@ -157,6 +171,11 @@ impl CalibrationRecord {
     }
 }
 
+fn scale(set: &CaptureSet) -> Option<ScaleRecord> {
+    let source = ScaleSource::of(set).words();
+    Some(ScaleRecord { value: set.mm_per_pixel()?, by_balls: set.mm_per_pixel_of_balls(), source })
+}
+
 fn by_channel<T>(calibrated: &Calibrated, value: impl Fn(&Known<f64>) -> T) -> Vec<Vec<T>> {
     calibrated.crosstalk.iter().map(|row| row.iter().map(&value).collect()).collect()
 }
@@ -182,7 +201,7 @@ fn circles(calibrated: &Calibrated) -> IndexMap<String, CircleRecord> {
 }
 
 fn rows(set: &CaptureSet, calibrated: &Calibrated) -> Vec<(Row, Option<PixelCounts>)> {
-    let mut rows = Vec::new();
+    let mut rows: Vec<_> = scale(set).into_iter().filter_map(scale_row).collect();
     for (channel, of_channel) in set.colours.iter().zip(&calibrated.crosstalk) {
         for (lamp, known) in set.colours.iter().zip(of_channel).filter(|(lamp, _)| lamp.name != channel.name) {
             rows.push(row(format!("crosstalk, {} lamp in channel of {}", lamp.name, channel.name), known));
@@ -206,6 +225,22 @@ fn rows(set: &CaptureSet, calibrated: &Calibrated) -> Vec<(Row, Option<PixelCoun
     }
     rows.extend(calibrated.positions_mm(set).map(|(light, known)| row(format!("position in mm, {light}"), known)));
     rows
+}
+
+/// Where a ball says something of the scale.
+fn scale_row(scale: ScaleRecord) -> Option<(Row, Option<PixelCounts>)> {
+    let by_balls = scale.by_balls?;
+    let beside =
+        if scale.source == ScaleSource::Balls.words() { String::new() } else { format!(" (balls: {by_balls:.5})") };
+    let row = Row {
+        quantity: "mm per pixel".into(),
+        value: format!("{:.5}{beside}", scale.value),
+        interval: String::new(),
+        source: scale.source,
+        used: String::new(),
+        refused: String::new(),
+    };
+    Some((row, None))
 }
 
 fn row<T: Shown>(quantity: String, known: &Known<T>) -> (Row, Option<PixelCounts>) {

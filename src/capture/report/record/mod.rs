@@ -12,7 +12,7 @@ mod run;
 mod trust;
 
 pub use batch::{BatchRecord, RigRecord};
-pub use calibration::{CalibrationRecord, CircleRecord, IntervalRecord, Row, SourceRecord};
+pub use calibration::{CalibrationRecord, CircleRecord, IntervalRecord, Row, ScaleRecord, SourceRecord};
 pub use captures::CaptureWarningRecord;
 pub use colours_and_shape::{BetaWords, ColoursAndShapeRecord, LightWords};
 pub(crate) use export::unit_word;

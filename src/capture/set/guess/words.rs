@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use regex::{Regex, RegexBuilder};
 
-use super::super::subject::Subject;
+use super::super::subject::{SphereKind, Subject};
 use super::super::word::Word;
 
 /// Words for a ball, of whatever kind.
@@ -88,10 +88,13 @@ enum Words {
 }
 
 fn of_subject(subject: Subject, words: Words, latin: bool) -> Option<String> {
+    let names = || subject.names().iter().any(|word| is_latin(&word) == latin).then(|| one_of(subject.names(), latin));
+    let is_first_place = |kind: &SphereKind| kind.subject() == subject;
     match (words, subject.sphere_kind()) {
-        (Words::Alone, _) => {
-            subject.names().iter().any(|word| is_latin(&word) == latin).then(|| one_of(subject.names(), latin))
-        }
+        // "Mirror ball" is the ball in its first place: of another place all words together tell.
+        (Words::Together, Some(kind)) if !is_first_place(&kind) => names(),
+        (Words::Alone, Some(kind)) if !is_first_place(&kind) => None,
+        (Words::Alone, _) => names(),
         (Words::Together, None) => None,
         (Words::Together, Some(kind)) => {
             let (made_of, ball) = (one_of(kind.made_of(), latin), one_of(BALLS, latin));
@@ -103,10 +106,11 @@ fn of_subject(subject: Subject, words: Words, latin: bool) -> Option<String> {
     }
 }
 
-/// Every word for some subjects; those of several words first, so that "grey ball" is not read as "grey".
+/// Every word for some subjects; those of several words first, so that "grey ball" is not read as "grey", nor "mirror ball
+/// moved" as "mirror ball".
 fn of_subjects(subjects: &[Subject]) -> String {
     let all = [(Words::Together, true), (Words::Together, false), (Words::Alone, true), (Words::Alone, false)];
-    let of = |(words, latin)| subjects.iter().filter_map(move |subject| of_subject(*subject, words, latin));
+    let of = |(words, latin)| subjects.iter().rev().filter_map(move |subject| of_subject(*subject, words, latin));
     all.into_iter().flat_map(of).collect::<Vec<_>>().join("|")
 }
 
@@ -178,6 +182,12 @@ pub(super) fn subject_within(name: &str) -> (Named, Range<usize>) {
             };
             found.extend(place_of(regex.as_ref(), name).map(|place| (one.subject, place)));
         }
+        // "mirror ball" is part of "mirror ball moved".
+        let places: Vec<Range<usize>> = found.iter().map(|(_, place)| place.clone()).collect();
+        let is_part = |place: &Range<usize>| {
+            places.iter().any(|other| other != place && other.start <= place.start && place.end <= other.end)
+        };
+        found.retain(|(_, place)| !is_part(place));
         match found.as_slice() {
             [] => {}
             [(subject, place)] => return (Named::Subject(*subject), place.clone()),
@@ -232,7 +242,6 @@ pub(super) fn is_mask(stem: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::subject::SphereKind;
     use super::*;
 
     #[test]
@@ -262,6 +271,10 @@ mod tests {
             ("left-sphere de miroir-2", Subject::MirrorSphere, "left-2"),
             ("boule grise 3", Subject::GreySphere, "3"),
             ("chrome_left", Subject::MirrorSphere, "left"),
+            ("mirror-sphere-moved", Subject::MirrorSphereMoved, ""),
+            ("mirror ball moved_left", Subject::MirrorSphereMoved, "left"),
+            ("left-moved-mirror", Subject::MirrorSphereMoved, "left"),
+            ("mirror_moved2", Subject::MirrorSphereMoved, ""),
             ("palla cromata, left", Subject::MirrorSphere, ", left"),
             ("灰球left", Subject::GreySphere, "left"),
             ("左-鏡面ボール", Subject::MirrorSphere, "左"),

@@ -50,7 +50,7 @@ fn balls_in_the_scene_are_told_from_balls_by_themselves() {
     assert_eq!(set.circle(Subject::GreySphere, SphereKind::Grey).unwrap().radius, 83.3);
     assert_eq!(set.circle(Subject::Object, SphereKind::Grey), None);
     let circle = Circle { centre: [1.0, 2.0], radius: 3.0 };
-    set.put_sphere(Sphere { subject: Subject::GreySphere, kind: SphereKind::Grey, circle });
+    set.put_sphere(Sphere { subject: Subject::GreySphere, kind: SphereKind::Grey, circle, diameter_mm: None });
     assert_eq!((set.circle(Subject::GreySphere, SphereKind::Grey), set.spheres.len()), (Some(circle), 2));
 }
 

@@ -86,10 +86,12 @@ fn shot() -> impl Strategy<Value = Shot> {
 }
 
 fn sphere() -> impl Strategy<Value = Sphere> {
-    (word(), word(), [number(), number()], number()).prop_map(|(subject, kind, centre, radius)| Sphere {
+    let outline = ([number(), number()], number());
+    (word(), word(), outline, option::of(number())).prop_map(|(subject, kind, (centre, radius), diameter_mm)| Sphere {
         subject,
         kind,
         circle: Circle { centre, radius },
+        diameter_mm,
     })
 }
 

@@ -20,8 +20,8 @@ fn circles() -> [Sphere; 2] {
     let grey = Circle { centre: [101.234_567_89, 101.5], radius: 83.333_333_3 };
     let mirror = Circle { centre: [7.0, 8.0], radius: 9.0 };
     [
-        Sphere { subject: Subject::GreySphere, kind: SphereKind::Grey, circle: grey },
-        Sphere { subject: Subject::MirrorSphere, kind: SphereKind::Mirror, circle: mirror },
+        Sphere { subject: Subject::GreySphere, kind: SphereKind::Grey, circle: grey, diameter_mm: None },
+        Sphere { subject: Subject::MirrorSphere, kind: SphereKind::Mirror, circle: mirror, diameter_mm: Some(3.6) },
     ]
 }
 

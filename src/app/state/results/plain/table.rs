@@ -2,7 +2,6 @@
 
 use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::Method;
-use firstbounce_capture::set::Projection;
 use serde::{Deserialize, Serialize};
 
 use super::{Each, Place, Quantity, Range, Row};
@@ -201,5 +200,5 @@ const DEPTH_PX: Quantity =
     Quantity { words: "Depth, pixels", difference: "Difference of depth, pixels", unit: " pixels" };
 
 fn has_scale(set: &CaptureSet) -> bool {
-    !matches!(set.camera.projection, Projection::Orthographic { mm_per_pixel: None })
+    set.mm_per_pixel().is_some()
 }
