@@ -7,6 +7,7 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use firstbounce::app::state::layout::Shown;
+use firstbounce::app::state::panel::PanelName;
 use firstbounce::app::state::surfaces::{Shade, SurfaceLook};
 use firstbounce::app::window::commands::CommandId;
 use firstbounce::gpu::mesh::Lens;
@@ -171,7 +172,8 @@ fn layers_flicker_and_shading_are_chosen_and_kept_with_the_layout() {
     hands.steps();
     assert_eq!(look(&mut hands).shade, Shade::Height);
     let kept = hands.session().views.to_json();
-    let again = firstbounce::app::state::layout::Views::from_json(kept).unwrap();
+    let mut again = firstbounce::app::state::layout::Views::from_json(kept).unwrap();
+    again.turn_to(PanelName::Shape, &hands.session().document());
     let view = again.all().find(|view| view.shown == Shown::Surface).unwrap();
     assert_eq!(view.surface.shade, Shade::Height);
 }

@@ -26,7 +26,7 @@ fn tiles_are_there_again_when_the_set_is_opened_again() {
     let all = |hands: &mut Hands| -> Vec<_> { hands.session().views.all().map(|view| view.shown.title()).collect() };
     let mut before = all(&mut hands);
     before.sort();
-    assert_eq!(before, ["Albedo before", "Depth after", "Photo, left, blue"]);
+    assert_eq!(before, ["Albedo before", "All photos", "Depth after", "Photo, left, blue"]);
     let set = hands.session().document().set.folder.clone();
     hands.session().leave();
     hands.steps();

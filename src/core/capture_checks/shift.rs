@@ -194,10 +194,8 @@ pub(super) fn pair_shifts(pairs: &[(&EdgeSpectrum, &EdgeSpectrum)]) -> Vec<Optio
     }
     transform(&mut values, side, &*FftPlanner::new().plan_fft_inverse(side));
     let parts: [fn(&Complex<f32>) -> f32; 2] = [|value| value.re, |value| value.im];
-    let of_part = |((first, _), part): (&(&EdgeSpectrum, &EdgeSpectrum), fn(&Complex<f32>) -> f32)| {
-        highest(&values.iter().map(part).collect::<Vec<f32>>(), first)
-    };
-    pairs.iter().zip(parts).map(of_part).collect()
+    let seen = pairs.iter().map(|(first, _)| first);
+    seen.zip(parts).map(|(seen, part)| highest(&values.iter().map(part).collect::<Vec<f32>>(), seen)).collect()
 }
 
 /// What a correlation says, by its highest value.
