@@ -8,7 +8,7 @@ use firstbounce_core::sphere::{
     self, BallError, CircleOptions, CircleReport, circle_through, find_circle, refine_circle,
 };
 
-use super::balls_of;
+use super::{balls_of, title_of};
 use crate::app::base::keyed::Keyed;
 use crate::app::state::layout::Shown;
 use crate::app::state::results::{Loaded, ShotName};
@@ -20,6 +20,9 @@ use crate::app::widgets::theme::Weight;
 
 /// A click may miss the ball by as many radii.
 const NEAR_RADII: f64 = 2.0;
+
+/// What a diameter begins with, in mm.
+const FIRST_DIAMETER_MM: f64 = 40.0;
 
 /// Where a ball is looked for.
 #[derive(Clone, Copy, Debug)]
@@ -96,7 +99,7 @@ impl Balls {
     }
 
     fn ball(&mut self, ui: &mut Ui, session: &mut Session, subject: Subject, kind: SphereKind) {
-        let title = kind.title();
+        let title = title_of(subject, kind);
         let document = session.document();
         let circle = circle_in_force(session, subject, kind);
         ui.horizontal_wrapped(|ui| {
@@ -126,6 +129,9 @@ impl Balls {
                 });
             }
         });
+        if let Some(circle) = circle {
+            diameter(ui, session, (subject, kind), circle);
+        }
         ui.horizontal_wrapped(|ui| self.buttons(ui, session, (subject, kind), circle));
         if new != old {
             move_ball(session, subject, kind, new);
@@ -141,7 +147,7 @@ impl Balls {
         (subject, kind): (Subject, SphereKind),
         circle: Option<Circle>,
     ) {
-        let ball = kind.title().to_lowercase();
+        let ball = title_of(subject, kind).to_lowercase();
         let button = |ui: &mut Ui, text: &str, name: String, hover: &str| {
             ui.button(text).accessible_name(name).on_hover_text(hover).clicked()
         };
@@ -237,6 +243,41 @@ impl Balls {
             }
             Err(error) => session.error(format!("{title}: {error}")),
         }
+    }
+}
+
+/// The ball's diameter in mm, where it is known: what gives the scale.
+fn diameter(ui: &mut Ui, session: &mut Session, (subject, kind): (Subject, SphereKind), circle: Circle) {
+    let title = title_of(subject, kind);
+    let document = session.document();
+    let placed = document.set.spheres.iter().position(|ball| (ball.subject, ball.kind) == (subject, kind));
+    let old = placed.and_then(|index| document.set.spheres[index].diameter_mm);
+    let mut new = old;
+    ui.horizontal(|ui| {
+        let mut is_known = old.is_some();
+        let hover = "Gives the scale where the camera has none";
+        let check = ui.checkbox(&mut is_known, "Diameter, mm").on_hover_text(hover);
+        check.widget_info(|| {
+            eframe::egui::WidgetInfo::selected(
+                eframe::egui::Role::CheckBox,
+                true,
+                is_known,
+                format!("{title}, diameter known"),
+            )
+        });
+        new = is_known.then(|| old.unwrap_or(FIRST_DIAMETER_MM));
+        if let Some(mm) = &mut new {
+            let field = ui.add(fixed(mm, 3, Number::DiameterMm.range()).speed(0.05));
+            field.widget_info(|| {
+                eframe::egui::WidgetInfo::labeled(eframe::egui::Role::SpinButton, true, format!("{title}, diameter"))
+            });
+        }
+    });
+    if new != old {
+        session.edit(&format!("Measure {}", title.to_lowercase()), |document| match placed {
+            Some(index) => document.set.spheres[index].diameter_mm = new,
+            None => document.set.put_sphere(Sphere { subject, kind, circle, diameter_mm: new }),
+        });
     }
 }
 

@@ -157,7 +157,15 @@ fn status(ui: &mut Ui, session: &Session) {
     ui.label(RichText::new(words).weak());
 }
 
-/// Where each ball of the set is seen: in shots of its own, or in the object's scene.
+/// Where each ball of the set is seen: in shots of its own, or in the object's scene, and in a second place.
 fn balls_of(set: &CaptureSet) -> Vec<(Subject, SphereKind)> {
-    SphereKind::ALL.iter().filter_map(|&kind| Some((set.subject_with(kind)?, kind))).collect()
+    let first = SphereKind::ALL.iter().filter_map(|&kind| Some((set.subject_with(kind)?, kind)));
+    let balls = Subject::ALL.iter().filter_map(|&subject| Some((subject, subject.sphere_kind()?)));
+    let again = balls.filter(|(subject, kind)| *subject != kind.subject() && set.shots_of(*subject).next().is_some());
+    first.chain(again).collect()
+}
+
+/// What a ball is called: one in a second place by that.
+fn title_of(subject: Subject, kind: SphereKind) -> &'static str {
+    if subject == Subject::Object || subject == kind.subject() { kind.title() } else { subject.title() }
 }

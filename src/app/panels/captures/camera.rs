@@ -102,7 +102,20 @@ fn camera(ui: &mut Ui, camera: &mut Camera) {
                 ui.add(up_to(value, 4, what.range()).speed(1.0)).labelled_by(label.id);
             }
             principal_point_fields(ui, principal_point);
+            distortion_fields(ui, &mut camera.distortion);
         }
+    }
+}
+
+/// Of the lens, as OpenCV defines it: undone when photos are read.
+fn distortion_fields(ui: &mut Ui, distortion: &mut Option<[f64; 4]>) {
+    let mut straight = distortion.is_none();
+    if ui.checkbox(&mut straight, "The lens does not distort").changed() {
+        *distortion = (!straight).then_some([0.0; 4]);
+    }
+    for (value, name) in distortion.iter_mut().flatten().zip(["k1", "k2", "p1", "p2"]) {
+        let label = ui.label(format!("Distortion {name}"));
+        ui.add(up_to(value, 6, Number::Distortion.range()).speed(0.001)).labelled_by(label.id);
     }
 }
 
