@@ -181,3 +181,22 @@ fn from_the_demo_to_a_mesh_by_keys_alone() {
     assert!(out.join("mesh.obj").is_file());
     assert!(strokes <= 30, "{strokes} strokes");
 }
+
+#[test]
+fn every_step_has_a_page_that_says_what_it_is_for() {
+    let mut hands = Hands::with_demo();
+    for (panel, words) in PanelName::ALL.into_iter().zip([
+        "Which photo is which",
+        "How strong each lamp is",
+        "Direct light apart",
+        "Normals and depth, from the photos",
+        "What the command line writes",
+    ]) {
+        open(&mut hands, panel);
+        hands.click_button(&format!("About {}", panel.title()));
+        hands.steps();
+        assert!(hands.sees(words), "{}", panel.title());
+        hands.press(Modifiers::NONE, Key::Escape);
+        assert!(!hands.sees(words), "{} stays open", panel.title());
+    }
+}

@@ -3,6 +3,7 @@
 use eframe::egui::{Context, Id, Modal, Panel, Ui, ViewportCommand, Window};
 
 use super::frame_times::FrameTimes;
+use super::pages::Pages;
 use crate::app::base::dialogs::Choose;
 use crate::app::state::session::{Open, Session};
 use crate::app::widgets::path_field::PathField;
@@ -18,6 +19,8 @@ pub struct Chrome {
     pub palette: Palette,
     /// Commands with their keys.
     pub help: HelpSheet,
+    /// What each step is for.
+    pub pages: Pages,
     /// How long frames take.
     pub frame_times: FrameTimes,
     /// What is to be simulated.
@@ -58,6 +61,7 @@ impl Default for Chrome {
             shows: Parts { steps: true, inspector: true, log: false, about: false },
             palette: Palette::default(),
             help: HelpSheet::default(),
+            pages: Pages::default(),
             frame_times: FrameTimes::default(),
             simulated: NewSet::default(),
             device: DeviceWatch::default(),
@@ -122,6 +126,7 @@ impl Chrome {
     /// Everything that lies over the window.
     pub fn dialogs(&mut self, context: &Context, session: &mut Session) {
         self.help.ui(context);
+        self.pages.ui(context);
         self.frame_times.ui(context);
         Window::new("About Firstbounce").open(&mut self.shows.about).resizable(false).show(context, |ui| {
             ui.label(format!("Firstbounce {}", env!("CARGO_PKG_VERSION")));

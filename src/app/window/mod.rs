@@ -4,6 +4,7 @@ mod chrome;
 pub mod commands;
 pub mod device;
 mod frame_times;
+mod pages;
 pub mod simulate;
 mod start;
 mod steps;
@@ -248,7 +249,7 @@ impl Window {
 
     fn workplace(&mut self, ui: &mut Ui) {
         let Self { session, panels, canvases, chrome, .. } = self;
-        steps::ui(ui, session);
+        steps::ui(ui, session, &mut chrome.pages);
         if chrome.shows.steps {
             SidePanel::left("steps").resizable(false).exact_size(LEFT).show(ui, |ui| {
                 within(ui, |ui| {

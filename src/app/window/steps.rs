@@ -3,6 +3,7 @@
 use eframe::egui::{Align, Button, Color32, Label, Layout, Panel, RichText, Role, Ui, WidgetInfo};
 use firstbounce_capture::pipeline::Method;
 
+use super::pages::Pages;
 use crate::app::state::panel::{PanelName, StepState};
 use crate::app::state::session::Session;
 use crate::app::state::words::in_window;
@@ -38,7 +39,7 @@ impl Remedy {
 }
 
 /// Shows the steps; a click opens one.
-pub fn ui(ui: &mut Ui, session: &mut Session) {
+pub fn ui(ui: &mut Ui, session: &mut Session, pages: &mut Pages) {
     Panel::top("steps row").show(ui, |ui| {
         ui.add_space(2.0);
         ui.horizontal(|ui| {
@@ -57,6 +58,11 @@ pub fn ui(ui: &mut Ui, session: &mut Session) {
                 let word = ui.label(RichText::new(sign).color(colour));
                 word.widget_info(|| WidgetInfo::labeled(Role::Label, true, state.word()));
                 ui.add_space(10.0);
+            }
+            let about = ui.small_button("?");
+            about.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("About {}", session.panel.title())));
+            if about.on_hover_text("What this step is for, and what to do in it").clicked() {
+                pages.toggle(session.panel);
             }
         });
         message(ui, session);

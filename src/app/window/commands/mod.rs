@@ -98,6 +98,7 @@ pub enum CommandId {
     Retry,
     Palette,
     Help,
+    AboutStep,
     FrameTimes,
     WriteFrameTimes,
     About,
@@ -362,6 +363,9 @@ pub static COMMANDS: &[Command] = &[
     plain(CommandId::ThemeLight, Menu::View, "Light colours", None, always, |t| theme(t, Theme::Light)),
     plain(CommandId::Palette, Menu::Help, "Find a command...", ctrl(Key::P), always, |t| t.chrome.palette.open()),
     plain(CommandId::Help, Menu::Help, "Keys and commands", alone(Key::F1), always, |t| t.chrome.help.toggle()),
+    plain(CommandId::AboutStep, Menu::Help, "About this step", shift(Key::F1), open, |t| {
+        t.chrome.pages.toggle(t.session.panel);
+    }),
     plain(CommandId::FrameTimes, Menu::Help, "Frame times", ctrl_shift(Key::D), always, |t| {
         t.chrome.frame_times.toggle()
     }),
