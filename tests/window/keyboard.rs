@@ -1,5 +1,7 @@
 //! What a person without a mouse, or without a screen, finds.
 
+use std::collections::HashMap;
+
 use eframe::egui::accesskit::{Action, Role};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -55,12 +57,13 @@ fn tab_and_shift_tab_go_round_every_step_are_caught_nowhere_and_change_nothing()
     for panel in PanelName::ALL {
         hands.session().panel = panel;
         hands.steps();
-        let forth = round(&mut hands, Modifiers::NONE, panel);
-        let back = round(&mut hands, Modifiers::SHIFT, panel);
+        let mut names = HashMap::new();
+        let forth = round(&mut hands, Modifiers::NONE, panel, &mut names);
+        let back = round(&mut hands, Modifiers::SHIFT, panel, &mut names);
         let mut backwards = back.clone();
         backwards.reverse();
         let only = |one: &[String], other: &[String]| {
-            one.iter().filter(|control| !other.contains(control)).cloned().collect::<Vec<_>>()
+            one.iter().filter(|id| !other.contains(id)).map(|id| names[id].clone()).collect::<Vec<_>>()
         };
         let differences = (only(&forth, &back), only(&back, &forth));
         assert_eq!(forth.len(), back.len(), "{}: another way back: {differences:?}", panel.title());
@@ -72,7 +75,12 @@ fn tab_and_shift_tab_go_round_every_step_are_caught_nowhere_and_change_nothing()
 }
 
 /// Every control that a key leads to until the first comes again.
-fn round(hands: &mut Hands, modifiers: Modifiers, panel: PanelName) -> Vec<String> {
+fn round(
+    hands: &mut Hands,
+    modifiers: Modifiers,
+    panel: PanelName,
+    names: &mut HashMap<String, String>,
+) -> Vec<String> {
     let mut seen = Vec::new();
     loop {
         hands.tab(modifiers);
@@ -81,7 +89,8 @@ fn round(hands: &mut Hands, modifiers: Modifiers, panel: PanelName) -> Vec<Strin
         let root = hands.harness.root();
         let focused = hands.harness.query_by(|node| node.is_focused());
         let label = focused.and_then(|node| node.accesskit_node().label()).unwrap_or_default();
-        let id = format!("{:?} {label}", root.accesskit_node().tree_state.focus_id_in_tree());
+        let id = format!("{:?}", root.accesskit_node().tree_state.focus_id_in_tree());
+        names.insert(id.clone(), label);
         if seen.first() == Some(&id) {
             break;
         }

@@ -306,14 +306,17 @@ impl Views {
         panes(&self.tree.tiles)
     }
 
-    /// Makes the active view show this.
+    /// Makes the active view show this, or activates the one that does already.
     pub fn show(&mut self, shown: impl Into<Shown>) {
         let shown = shown.into();
+        let there = panes(&self.tree.tiles).find(|view| view.shown == shown).map(|view| view.id);
         if self.tree.root().is_none() {
             self.wanted = Some(shown);
-        } else if self.active().is_some_and(|view| view.shown != shown)
-            && let Some(view) = self.active_mut()
-        {
+        } else if let Some(there) = there {
+            if self.active().is_none_or(|view| view.shown != shown) {
+                self.bring_to_front(there);
+            }
+        } else if let Some(view) = self.active_mut() {
             view.shown = shown;
             view.look = Look::default();
         }
