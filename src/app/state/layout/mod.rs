@@ -1,101 +1,30 @@
 //! The layout: which views there are, how they are arranged, and what each shows.
 
+mod arrange;
 mod arrangement;
 mod look;
 mod rebuild;
 mod shown;
 mod tree;
+mod view;
 
 use std::mem;
 
 use eframe::egui::Id;
-use egui_tiles::{LinearDir, TileId, Tiles, Tree};
-use serde::{Deserialize, Serialize};
+use egui_tiles::{Tiles, Tree};
 use serde_json::{Map, Value};
 
+pub use arrange::Arrange;
 pub use look::{Look, Scale};
 pub use shown::{Pane, Shown};
+pub use view::{Compare, Hover, View};
 
 use crate::app::state::document::Document;
 use crate::app::state::panel::PanelName;
-use crate::app::state::surfaces::SurfaceLook;
 use arrangement::Arrangement;
 
 /// The key under which the arrangements are kept.
 const STEPS: &str = "steps";
-
-/// One view: what it shows and how.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct View {
-    /// Identifies the view for as long as the layout is kept.
-    pub id: u64,
-    /// What is shown.
-    pub shown: Shown,
-    /// What it is compared with.
-    pub against: Option<Shown>,
-    /// How.
-    #[serde(default)]
-    pub compare: Compare,
-    /// How numbers become colours.
-    pub look: Look,
-    /// Whether zoom and pan follow the other linked views.
-    pub linked: bool,
-    /// How a surface in 3D is shown.
-    #[serde(default)]
-    pub surface: SurfaceLook,
-}
-
-/// How a view shows what it is compared with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Compare {
-    /// While B is held.
-    #[default]
-    Hold,
-    /// A line divides the two.
-    Wipe,
-    /// The one minus the other.
-    Difference,
-}
-
-impl Compare {
-    /// All, in the order of the strip, with what they are called.
-    pub const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Hold, "Hold B", "Shows the other picture while B is held"),
-        (Self::Wipe, "Wipe", "A line divides the two"),
-        (Self::Difference, "Difference", "This picture minus the other"),
-    ];
-}
-
-impl View {
-    fn showing(id: u64, shown: Shown) -> Self {
-        Self {
-            id,
-            shown,
-            against: None,
-            compare: Compare::default(),
-            look: Look::default(),
-            linked: true,
-            surface: SurfaceLook::default(),
-        }
-    }
-
-    /// What is drawn: the picture, or its difference to the one that it is compared with.
-    pub fn drawn(&self) -> Shown {
-        match (&self.against, self.compare) {
-            (Some(other), Compare::Difference) => Shown::difference(self.shown.clone(), other.clone()),
-            _ => self.shown.clone(),
-        }
-    }
-}
-
-/// The pixel under the pointer or the keyboard's cursor, and where.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Hover {
-    /// What is shown there.
-    pub shown: Shown,
-    /// Column and row.
-    pub pixel: (usize, usize),
-}
 
 /// All views and how they are arranged, each step's for itself.
 pub struct Views {
@@ -125,19 +54,6 @@ struct Left {
     tree: Tree<View>,
     begun_as: Option<Arrangement>,
     active: Option<u64>,
-}
-
-/// A change of the arrangement, made after all views were drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrange {
-    /// The same view once more, right of it.
-    SplitRight,
-    /// The same view once more, below it.
-    SplitDown,
-    /// The same view once more, as a tab.
-    NewTab,
-    /// Takes the view away; the last one stays.
-    Close,
 }
 
 impl Default for Views {
@@ -405,104 +321,6 @@ impl Views {
     /// Changes the arrangement around a view once all views are drawn.
     pub fn arrange(&mut self, id: u64, arrange: Arrange) {
         self.arrangement.push((id, arrange));
-    }
-
-    fn apply_arrangement(&mut self) {
-        for (id, arrange) in mem::take(&mut self.arrangement) {
-            self.note_change();
-            self.maximised = None;
-            let tile = |(tile, of): (&TileId, &egui_tiles::Tile<View>)| match of {
-                egui_tiles::Tile::Pane(view) if view.id == id => Some((*tile, view.clone())),
-                _ => None,
-            };
-            let Some((tile, view)) = self.tree.tiles.iter().find_map(tile) else { continue };
-            match arrange {
-                Arrange::Close => self.close(tile),
-                Arrange::NewTab => self.insert_tab(tile, view),
-                Arrange::SplitRight => self.split(tile, view, LinearDir::Horizontal),
-                Arrange::SplitDown => self.split(tile, view, LinearDir::Vertical),
-            }
-        }
-    }
-
-    fn copy_of(&mut self, view: View) -> View {
-        let id = self.next_id;
-        self.next_id += 1;
-        self.active = Some(id);
-        View { id, ..view }
-    }
-
-    fn close(&mut self, tile: TileId) {
-        if panes(&self.tree.tiles).count() > 1 {
-            self.tree.remove_recursively(tile);
-            self.active = panes(&self.tree.tiles).map(|view| view.id).min();
-        }
-    }
-
-    fn insert_tab(&mut self, tile: TileId, view: View) {
-        let view = self.copy_of(view);
-        let id = view.id;
-        let new = self.tree.tiles.insert_pane(view);
-        let tabs = self.tabs_of(tile);
-        if let Some(egui_tiles::Tile::Container(container)) = self.tree.tiles.get_mut(tabs) {
-            container.add_child(new);
-        }
-        self.bring_to_front(id);
-    }
-
-    /// The tabs that a view lies in: a view alone gets tabs of its own.
-    fn tabs_of(&mut self, tile: TileId) -> TileId {
-        let parent = self.tree.tiles.parent_of(tile);
-        match parent.and_then(|parent| Some((parent, self.tree.tiles.get(parent)?))) {
-            Some((parent, egui_tiles::Tile::Container(egui_tiles::Container::Tabs(_)))) => parent,
-            _ => {
-                let tabs = self.tree.tiles.insert_tab_tile(vec![tile]);
-                self.put_in_place_of(parent, tile, tabs);
-                tabs
-            }
-        }
-    }
-
-    /// Puts a row or a column in the place of the view's tabs, with those tabs and a new view in it.
-    fn split(&mut self, tile: TileId, view: View, direction: LinearDir) {
-        let view = self.copy_of(view);
-        let tabs = self.tabs_of(tile);
-        let outer = self.tree.tiles.parent_of(tabs);
-        let new = self.tree.tiles.insert_pane(view);
-        let children = vec![tabs, new];
-        let both = match direction {
-            LinearDir::Horizontal => self.tree.tiles.insert_horizontal_tile(children),
-            LinearDir::Vertical => self.tree.tiles.insert_vertical_tile(children),
-        };
-        self.put_in_place_of(outer, tabs, both);
-    }
-
-    /// In the container, or as the root.
-    fn put_in_place_of(&mut self, container: Option<TileId>, old: TileId, new: TileId) {
-        match container.and_then(|container| self.tree.tiles.get_mut(container)) {
-            Some(egui_tiles::Tile::Container(container)) => replace_child(container, old, new),
-            _ => self.tree = Tree::new(Id::unique("views"), new, mem::take(&mut self.tree.tiles)),
-        }
-    }
-}
-
-fn replace_child(container: &mut egui_tiles::Container, old: TileId, new: TileId) {
-    use egui_tiles::Container;
-    let swap = |children: &mut Vec<TileId>| children.iter_mut().filter(|child| **child == old).for_each(|c| *c = new);
-    match container {
-        Container::Tabs(tabs) => {
-            swap(&mut tabs.children);
-            tabs.active = Some(new);
-        }
-        Container::Linear(linear) => {
-            swap(&mut linear.children);
-            linear.shares.replace_with(old, new);
-        }
-        // Grids are not made here; a new place at their end is as good.
-        Container::Grid(_) => {
-            container.remove_child(old);
-            container.add_child(new);
-        }
     }
 }
 
