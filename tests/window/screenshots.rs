@@ -51,6 +51,8 @@ fn make_screenshots() {
 fn step(hands: &mut Hands, panel: PanelName) {
     hands.session().panel = panel;
     hands.rest();
+    hands.harness.run_steps(4);
+    hands.wait_until("all work to be done", |session| session.jobs.running().is_empty());
     // Pictures reach the card a little in each frame, and toasts go.
     for _ in 0..40 {
         hands.harness.run_steps(10);

@@ -84,6 +84,11 @@ pub fn after(visuals: &Visuals) -> Color32 {
     by_theme(visuals, Color32::from_rgb(84, 204, 196), Color32::from_rgb(0, 102, 98))
 }
 
+/// Around pictures and surfaces: neutral, and in light colours no white that dazzles.
+pub fn canvas(visuals: &Visuals) -> Color32 {
+    by_theme(visuals, visuals.extreme_bg_color, Color32::from_gray(188))
+}
+
 /// The button of what a panel is for: one a panel.
 pub fn primary<'a>(visuals: &Visuals, text: impl Into<String>) -> Button<'a> {
     let text = RichText::new(text).semi_bold().color(visuals.selection.stroke.color);

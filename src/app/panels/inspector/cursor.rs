@@ -1,6 +1,6 @@
 //! The values of every picture at one pixel.
 
-use eframe::egui::{CollapsingHeader, DragValue, Grid, Ui};
+use eframe::egui::{CollapsingHeader, DragValue, Ui};
 use firstbounce_capture::set::Subject;
 
 use super::number;
@@ -49,13 +49,12 @@ impl Cursor {
                 if known.is_empty() {
                     ui.label("No value here yet.");
                 }
-                Grid::new(&group).num_columns(2).striped(true).show(ui, |ui| {
-                    for (title, value) in known {
+                for (title, value) in known {
+                    ui.horizontal_wrapped(|ui| {
                         ui.label(title);
                         ui.monospace(value);
-                        ui.end_row();
-                    }
-                });
+                    });
+                }
             });
         }
     }

@@ -73,6 +73,7 @@ fn of_height(ui: &mut Ui, salt: &str, height: f32, content: impl FnOnce(&mut Ui)
     let size = vec2(ui.available_width(), height);
     ui.allocate_ui(size, |ui| {
         ui.set_min_size(size);
+        ui.set_max_width(size.x);
         ScrollArea::vertical().id_salt(salt).auto_shrink(false).max_height(height).show(ui, content);
     });
 }

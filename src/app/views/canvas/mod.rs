@@ -28,6 +28,7 @@ use eframe::egui::{
 use eframe::egui_wgpu::Callback;
 
 use crate::app::widgets::plate::plate_in;
+use crate::app::widgets::theme;
 use crate::gpu::{CanvasCallback, CanvasStatus, Display, Drawing, Resolution, Source};
 
 pub use navigation::PrimaryDrag;
@@ -181,7 +182,7 @@ impl<'a> Canvas<'a> {
     fn paint(&mut self, ui: &mut Ui, response: &Response, transform: &Transform, shows_other: bool) {
         let rect = transform.rect;
         let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+        painter.rect_filled(rect, 0.0, theme::canvas(ui.visuals()));
         painter.rect_filled(transform.image_rect(), 0.0, ui.visuals().faint_bg_color);
 
         let shown = self.other.filter(|_| shows_other).unwrap_or((self.source, self.display));
@@ -224,7 +225,7 @@ impl<'a> Canvas<'a> {
             return;
         }
         let painter = ui.painter().with_clip_rect(seen);
-        let background = gamma_space(ui.visuals().extreme_bg_color);
+        let background = gamma_space(theme::canvas(ui.visuals()));
         let drawing = Drawing { source, display, placement: transform.placement(), background };
         let callback = CanvasCallback::new(&drawing, self.state.status.clone(), ui.ctx().clone());
         // The clip cuts at whole pixels; the viewport is a point wider so that rounding never leaves a gap.

@@ -13,6 +13,7 @@ use super::tool::{Picked, Tool, ViewState, point_words};
 use crate::app::state::session::Session;
 use crate::app::state::surfaces::{Dragged, LayerName, Shade, SurfaceLook};
 use crate::app::views::canvas::legend;
+use crate::app::widgets::theme;
 use crate::gpu::mesh::{Bounds, Frame, MeshCallback, PlaneDrawing, Scene, Shading};
 
 /// What the accessible name begins with; the surfaces follow.
@@ -140,7 +141,8 @@ fn paint(
     heat: Option<&Heat>,
 ) {
     let visuals = ui.visuals();
-    let background = [visuals.extreme_bg_color.r(), visuals.extreme_bg_color.g(), visuals.extreme_bg_color.b()];
+    let around = theme::canvas(visuals);
+    let background = [around.r(), around.g(), around.b()];
     let (origin_px, size_px) = overlay::physical(rect, ui.ctx().pixels_per_point());
     let plane = state.plane(&bounds.centre()).map(|plane| PlaneDrawing {
         normal: plane.normal.into_inner().into(),
@@ -156,7 +158,7 @@ fn paint(
         background: background.map(|channel| f32::from(channel) / 255.0),
         plane,
     };
-    ui.painter().rect_filled(rect, 0.0, visuals.extreme_bg_color);
+    ui.painter().rect_filled(rect, 0.0, around);
     let callback = MeshCallback::new(scene, origin_px, state.kept.clone());
     ui.painter().with_clip_rect(rect).add(Callback::new_paint_callback(rect, callback));
 }
