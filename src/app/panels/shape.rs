@@ -281,14 +281,14 @@ fn evaluation_ui(ui: &mut Ui, Evaluated { in_force: evaluation, compared }: &Eva
             ui.monospace(value);
             ui.end_row();
         };
-        row("Normal error before, mean", format!("{:.2} degrees", errors.raw.mean));
-        row("Normal error after, mean", format!("{:.2} degrees", errors.separated.mean));
+        row("Normal error before, mean", format!("{:.2}\u{b0}", errors.raw.mean));
+        row("Normal error after, mean", format!("{:.2}\u{b0}", errors.separated.mean));
         for (method, of) in compared {
             let mean = of.normal_error_deg.separated.mean;
-            row(&format!("Normal error by {}, mean", method.title()), format!("{mean:.2} degrees"));
+            row(&format!("Normal error by {}, mean", method.title()), format!("{mean:.2}\u{b0}"));
         }
         if let Some(direct) = errors.true_direct {
-            row("From true direct light, mean", format!("{:.2} degrees", direct.mean));
+            row("From true direct light, mean", format!("{:.2}\u{b0}", direct.mean));
         }
         for (what, rmse) in
             [("Depth error before", evaluation.depth_rmse_raw_mm), ("Depth error after", evaluation.depth_rmse_mm)]
@@ -297,6 +297,6 @@ fn evaluation_ui(ui: &mut Ui, Evaluated { in_force: evaluation, compared }: &Eva
                 row(what, format!("{rmse:.3} mm"));
             }
         }
-        row("Pixels compared", format!("{} of {}", evaluation.pixels, evaluation.pixels_with_truth));
     });
+    ui.label(format!("{} of {} pixels compared.", evaluation.pixels, evaluation.pixels_with_truth));
 }
