@@ -1,4 +1,4 @@
-//! The panels beside the views: the five steps at the left, the inspector at the right.
+//! The panels beside the views: that of the open step at the left, the inspector at the right; and tiles that show no picture.
 
 mod calibrate;
 mod captures;

@@ -35,7 +35,7 @@ pub struct Chrome {
 
 /// The parts of the window that can be hidden: whether each is shown.
 pub struct Parts {
-    /// The steps at the left.
+    /// The panel of the step at the left.
     pub steps: bool,
     /// The inspector at the right.
     pub inspector: bool,

@@ -1,4 +1,5 @@
-//! The window: steps at the left, views in the centre, the inspector at the right, log and jobs below.
+//! The window: the steps in a row, the panel of the open one at the left, its tiles in the centre, the inspector at the right, log and
+//! jobs below.
 
 mod chrome;
 pub mod commands;
