@@ -34,9 +34,9 @@ const MIN_LIGHTS: usize = 3;
 #[derive(Default)]
 pub struct ShapePanel {
     /// What the truth says of a document.
-    evaluated: Keyed<Document, Evaluated>,
+    evaluated: Keyed<Arc<Document>, Evaluated>,
     /// What decides over it, of the document that was looked at last.
-    judged: Option<(Arc<Document>, Document)>,
+    judged: Option<(Arc<Document>, Arc<Document>)>,
     reference: ReferencePanel,
 }
 
@@ -222,12 +222,13 @@ impl ShapePanel {
     }
 
     /// The document without what the truth says nothing of: exports, and a scan.
-    fn judged(&mut self, document: &Arc<Document>) -> Document {
+    fn judged(&mut self, document: &Arc<Document>) -> Arc<Document> {
         if let Some((_, judged)) = self.judged.as_ref().filter(|(of, _)| Arc::ptr_eq(of, document)) {
             return judged.clone();
         }
         let mut judged = Document::clone(document);
         (judged.settings.reference, judged.settings.export) = Default::default();
+        let judged = Arc::new(judged);
         self.judged = Some((document.clone(), judged.clone()));
         judged
     }

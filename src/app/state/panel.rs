@@ -4,7 +4,7 @@ use firstbounce_core::trust::{Level, Names};
 
 use super::results::{StageError, StageState, Step};
 use super::session::Session;
-use super::words::problem_words;
+use super::words::{names, problem_words};
 
 /// The five steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,10 +74,7 @@ impl PanelName {
             Self::Calibrate => results.calibration()?.calibrated.warnings.first().cloned(),
             Self::Separate => {
                 let shapes = results.shapes()?;
-                let names = |names: Vec<&String>| names.into_iter().cloned().collect::<Vec<_>>();
-                let document = session.document();
-                let colours = names(document.set.colours.iter().map(|colour| &colour.name).collect());
-                let lights = names(document.set.lights.iter().map(|light| &light.name).collect());
+                let (colours, lights) = names(&session.document().set);
                 let worst = shapes.trust.reasons.iter().max_by_key(|(level, _)| *level)?;
                 Some(worst.1.words(&Names { colours: &colours, lights: &lights }))
             }

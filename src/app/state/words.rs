@@ -28,6 +28,12 @@ pub fn problem_words(problem: &Problem, set: &CaptureSet) -> String {
     place.into_iter().chain(key).chain([in_window(&problem.message, set)]).collect::<Vec<_>>().join(": ")
 }
 
+/// Names of colours and lights, for the words of a verdict.
+pub fn names(set: &CaptureSet) -> (Vec<String>, Vec<String>) {
+    let colours = set.colours.iter().map(|colour| colour.name.clone()).collect();
+    (colours, set.lights.iter().map(|light| light.name.clone()).collect())
+}
+
 /// A line without the path of the set's folder.
 pub fn in_window(line: &str, set: &CaptureSet) -> String {
     let folder = set.folder.display().to_string();

@@ -5,15 +5,15 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui::{ColorImage, Context, Pos2, Rect, vec2};
-use firstbounce_capture::atomic::{WriteError, write_new_file};
+use firstbounce_capture::atomic::WriteError;
 use firstbounce_capture::image_file::{ImageError, rgb8_png};
 use firstbounce_core::Plane;
 use thiserror::Error;
 
+use crate::app::base::beside::write_png;
+
 /// The folder of pictures in that of the set.
 const FOLDER: &str = "pictures";
-/// Pictures of one title.
-const MAX_PICTURES: usize = 1000;
 
 /// What is done with a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,14 +94,7 @@ fn save(picture: &ColorImage, folder: &Path, name: &str) -> Result<PathBuf, Savi
     }
     let refused = |reason| WriteError::Refused { path: folder.to_owned(), reason };
     std::fs::create_dir_all(folder).map_err(refused)?;
-    let first = folder.join(format!("{name}.png"));
-    let numbered = (2..=MAX_PICTURES).map(|number| folder.join(format!("{name}-{number}.png")));
-    for path in std::iter::once(first.clone()).chain(numbered) {
-        if write_new_file(&path, &png)? {
-            return Ok(path);
-        }
-    }
-    Err(WriteError::NoFreeName { path: first, others: MAX_PICTURES - 1 }.into())
+    Ok(write_png(folder, name, &png)?)
 }
 
 /// A title as the name of a file, on every system.

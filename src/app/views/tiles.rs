@@ -4,7 +4,7 @@ use eframe::egui::{Ui, WidgetText};
 use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, Tiles, UiResponse};
 
 use super::{Canvases, Overlay, pane};
-use crate::app::state::layout::{Arrange, View};
+use crate::app::state::layout::{Arrange, View, panes_mut};
 use crate::app::state::session::Session;
 
 /// All views, filling the space that is left.
@@ -13,12 +13,7 @@ pub fn ui(ui: &mut Ui, session: &mut Session, canvases: &mut Canvases, overlay: 
     let mut tree = session.views.take_tree();
     session.views.hover = None;
     let mut behaviour = Behaviour { session, canvases, overlay };
-    let alone = alone.and_then(|id| {
-        tree.tiles.tiles_mut().find_map(|tile| match tile {
-            egui_tiles::Tile::Pane(view) if view.id == id => Some(view),
-            _ => None,
-        })
-    });
+    let alone = alone.and_then(|id| panes_mut(&mut tree.tiles).find(|view| view.id == id));
     match alone {
         Some(view) => behaviour.view(ui, view),
         None => tree.ui(&mut behaviour, ui),
@@ -39,7 +34,7 @@ struct Behaviour<'a> {
 }
 
 impl Behaviour<'_> {
-    /// What a person chooses in a view is kept.
+    /// What the user chooses in a view is kept.
     fn view(&mut self, ui: &mut Ui, view: &mut View) {
         let mut before = view.clone();
         pane::ui(ui, view, self.session, self.canvases, self.overlay);

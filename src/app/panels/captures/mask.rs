@@ -1,16 +1,16 @@
 //! The object's mask: a file, a threshold, a brush, a lasso.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use eframe::egui::{
     Color32, ColorImage, ComboBox, Rect, RichText, Shape, Slider, Stroke, TextureHandle, TextureOptions, Ui, pos2,
 };
-use firstbounce_capture::atomic::{WriteError, write_new_file};
 use firstbounce_capture::image_file::{mask_png, read_mask};
 use firstbounce_capture::set::Subject;
 use firstbounce_core::Mask;
 use firstbounce_core::image::mask::Combine;
 
+use crate::app::base::beside::write_png;
 use crate::app::base::dialogs::Choose;
 use crate::app::base::keyed::Keyed;
 use crate::app::state::layout::Shown;
@@ -26,8 +26,6 @@ const INSIDE: Color32 = Color32::from_rgba_premultiplied(20, 70, 90, 90);
 const LINE: Color32 = Color32::from_rgb(80, 220, 255);
 /// Strokes that can be taken back.
 const MAX_STROKES: usize = 32;
-/// Masks that were drawn, beside one set.
-const MAX_MASKS: usize = 1000;
 
 /// How a mask is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -273,7 +271,7 @@ fn size_of_object(session: &Session) -> Option<(usize, usize)> {
 fn save(session: &mut Session, mask: &Mask) -> bool {
     let folder = session.document().set.folder.clone();
     let written = mask_png(mask).map_err(|error| error.to_string());
-    match written.and_then(|png| write_beside(&folder, &png).map_err(|error| error.to_string())) {
+    match written.and_then(|png| write_png(&folder, "mask", &png).map_err(|error| error.to_string())) {
         Ok(path) => {
             session.edit("Draw mask", |document| document.set.mask = Some(document.set.written(&path)));
             session.done(format!("Saved {}", path.display()));
@@ -284,18 +282,6 @@ fn save(session: &mut Session, mask: &Mask) -> bool {
             false
         }
     }
-}
-
-/// Where there is anything of a name, be it a link that leads nowhere, the next is taken.
-fn write_beside(folder: &Path, png: &[u8]) -> Result<PathBuf, WriteError> {
-    let first = folder.join("mask.png");
-    let numbered = (2..=MAX_MASKS).map(|number| folder.join(format!("mask-{number}.png")));
-    for path in std::iter::once(first.clone()).chain(numbered) {
-        if write_new_file(&path, png)? {
-            return Ok(path);
-        }
-    }
-    Err(WriteError::NoFreeName { path: first, others: MAX_MASKS - 1 })
 }
 
 fn tint(ui: &Ui, mask: &Mask) -> TextureHandle {

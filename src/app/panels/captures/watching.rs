@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{RichText, Ui};
+use firstbounce_capture::CaptureSet;
 use firstbounce_capture::image_file::time_taken;
 use firstbounce_capture::set::{Arrivals, TakenFor, take_arrivals};
 use firstbounce_capture::watch_folder::{Following, WatchEvent, WatchFolderOptions};
@@ -91,19 +92,14 @@ impl Watching {
             .filter(|(_, of)| matches!(of, TakenFor::Unassigned(_)))
             .map(|(file, _)| file.clone())
             .collect();
-        // Lights join the set when they are complete: until then it stays one that can be solved.
-        let complete = set.present().0;
+        let next = with_complete_lights(&document.set, set);
         let is_in = |file: &PathBuf| {
-            let written = complete.written(file);
-            complete
-                .shots
-                .iter()
-                .any(|shot| shot.files.iter().any(|name| complete.resolve(name) == complete.resolve(&written)))
+            let path = next.resolve(&next.written(file));
+            next.shots.iter().flat_map(|shot| &shot.files).chain(&next.mask).any(|name| next.resolve(name) == path)
         };
         self.waiting.retain(|file| !is_in(file) && !open.contains(file));
-        let brings_shots = complete.shots.len() > document.set.shots.len();
-        if brings_shots {
-            session.edit("Add photos that arrived", |document| document.set = complete);
+        if next != document.set {
+            session.edit("Add photos that arrived", |document| document.set = next);
         } else if changes_known {
             session.results.look_again();
         }
@@ -117,6 +113,42 @@ impl Watching {
     }
 }
 
+/// Lights join the set when they are complete: until then it stays one that can be solved. What the set has already stays in it,
+/// also where its file is not there yet.
+fn with_complete_lights(before: &CaptureSet, arrived: CaptureSet) -> CaptureSet {
+    let complete = arrived.present().0;
+    let keeps_shots = before.shots.iter().all(|shot| {
+        complete
+            .shots
+            .iter()
+            .any(|other| ShotName::of(other) == ShotName::of(shot) && other.files.len() >= shot.files.len())
+    });
+    let keeps_lights = before.lights.iter().all(|light| complete.light_index(&light.name).is_some());
+    if keeps_shots && keeps_lights { complete } else { arrived }
+}
+
 fn name_of(file: &Path) -> String {
     file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn photos_that_the_set_names_and_that_are_not_there_yet_stay_in_it() {
+        let demo = CaptureSet::open(Path::new("assets/demo")).unwrap();
+        let mut named = demo.clone();
+        named.shots[0].files = vec!["object/not-there-yet.png".into()];
+        let kept = with_complete_lights(&named, named.clone());
+        assert_eq!(kept, named);
+        // Of photos that are new, those of a light in one of two colours wait.
+        let mut arrived = demo.clone();
+        arrived.shots.retain(|shot| shot.light.as_deref() != Some("top") || shot.colour.as_deref() != Some("green"));
+        let mut before = demo.clone();
+        before.shots.clear();
+        before.lights.clear();
+        let next = with_complete_lights(&before, arrived);
+        assert!(next.light_index("top").is_none() && next.light_index("left").is_some());
+    }
 }

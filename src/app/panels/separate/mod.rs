@@ -7,7 +7,6 @@ mod numbers;
 mod verdict;
 
 use eframe::egui::{DragValue, RichText, Ui};
-use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::{Method, PipelineError};
 use firstbounce_capture::set::Number;
 use firstbounce_core::trust::{Rig, Trust, TrustOptions, judge};
@@ -149,10 +148,4 @@ fn order_words(m: usize) -> &'static str {
         2 => "Direct light, and light that bounced twice: a good model of many scenes, with the least noise",
         _ => "Follows deep cavities better, and costs more noise",
     }
-}
-
-/// Names of colours and lights for the words of a verdict.
-fn names(set: &CaptureSet) -> (Vec<String>, Vec<String>) {
-    let colours = set.colours.iter().map(|colour| colour.name.clone()).collect();
-    (colours, set.lights.iter().map(|light| light.name.clone()).collect())
 }

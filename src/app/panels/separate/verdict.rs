@@ -5,9 +5,10 @@ use firstbounce_capture::CaptureSet;
 use firstbounce_capture::pipeline::Method;
 use firstbounce_core::trust::{Advice, Level, Names, Trust};
 
-use super::{choose_order, names};
+use super::choose_order;
 use crate::app::state::document::Document;
 use crate::app::state::session::Session;
+use crate::app::state::words::names;
 use crate::app::widgets::advice::sentence;
 use crate::app::widgets::theme::{self, Weight};
 

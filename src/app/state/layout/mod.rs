@@ -201,10 +201,7 @@ impl Views {
     pub fn active_mut(&mut self) -> Option<&mut View> {
         self.note_change();
         let active = self.active;
-        self.tree.tiles.tiles_mut().find_map(|tile| match tile {
-            egui_tiles::Tile::Pane(view) if Some(view.id) == active => Some(view),
-            _ => None,
-        })
+        panes_mut(&mut self.tree.tiles).find(|view| Some(view.id) == active)
     }
 
     /// Which view commands act on.
@@ -239,15 +236,9 @@ impl Views {
     }
 
     /// Changes every linked view of a picture at once.
-    pub fn change_linked(&mut self, mut change: impl FnMut(&mut View)) {
+    pub fn change_linked(&mut self, change: impl FnMut(&mut View)) {
         self.note_change();
-        for tile in self.tree.tiles.tiles_mut() {
-            if let egui_tiles::Tile::Pane(view) = tile
-                && view.linked
-            {
-                change(view);
-            }
-        }
+        panes_mut(&mut self.tree.tiles).filter(|view| view.linked).for_each(change);
     }
 
     /// Shows this in a tab of its own, or brings the view that shows it to the front.
@@ -286,11 +277,7 @@ impl Views {
 
     /// Everything in sight in every 3D view.
     pub fn fit_surfaces(&mut self) {
-        for tile in self.tree.tiles.tiles_mut() {
-            if let egui_tiles::Tile::Pane(view) = tile {
-                view.surface.camera = None;
-            }
-        }
+        panes_mut(&mut self.tree.tiles).for_each(|view| view.surface.camera = None);
     }
 
     /// Makes this view the one that commands act on.
@@ -326,6 +313,14 @@ impl Views {
 
 fn panes(tiles: &Tiles<View>) -> impl Iterator<Item = &View> {
     tiles.tiles().filter_map(|tile| match tile {
+        egui_tiles::Tile::Pane(view) => Some(view),
+        egui_tiles::Tile::Container(_) => None,
+    })
+}
+
+/// The views, to be changed.
+pub fn panes_mut(tiles: &mut Tiles<View>) -> impl Iterator<Item = &mut View> {
+    tiles.tiles_mut().filter_map(|tile| match tile {
         egui_tiles::Tile::Pane(view) => Some(view),
         egui_tiles::Tile::Container(_) => None,
     })

@@ -95,7 +95,7 @@ fn all_three_plys_are_the_same_mesh() {
 }
 
 #[test]
-fn stl_corners_are_joined_and_a_header_that_says_solid_fools_nobody() {
+fn stl_corners_are_joined_and_a_header_that_says_solid_changes_nothing() {
     let solid = tetrahedron();
     let mut bytes = stl_binary();
     let file = read(&bytes, "stl");
